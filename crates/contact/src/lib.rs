@@ -1,1 +1,48 @@
-//! contact
+//! Contact laws for harmonic balance.
+//!
+//! A law answers one question: which force does a contact exert over one period of a given relative
+//! displacement, and how does that force change when the displacement does? Everything a solver needs is
+//! in the trait [`Law`]; each law lives in a file of its own:
+//!
+//! | law | file | force |
+//! |---|---|---|
+//! | [`ScaledLoop`] | `scaled_loop.rs` | a measured loop, scaled by eqs (6)–(9) of the paper |
+//! | [`ElasticCoulomb`] | `elastic_coulomb.rs` | spring in series with a Coulomb slider (Jenkins element) |
+//! | [`Cubic`] | `cubic.rs` | k₃ w³ |
+//! | [`Linear`] | `linear.rs` | k w |
+//!
+//! "The paper" is T. Hoffmann, L. Panning-von Scheidt, J. Wallaschek, *Modelling friction characteristics in
+//! turbine blade vibrations using a Fourier series expansion of a real friction hysteresis*, Procedia
+//! Engineering 199 (2017) 669–674.
+//!
+//! # Conventions
+//!
+//! * Relative displacement over the phase τ ∈ [0, 2π) of one period: `w(τ) = Re Σ_{k=0..N} W_k e^{ikτ}`, one-sided
+//!   complex amplitudes, `W_0` real; metres.
+//! * Forces are in **rig convention**: the force that drives the contact, `∮ f dw ≥ 0`; newtons. The force on
+//!   the vibrating mass is `−f`.
+
+mod cubic;
+mod elastic_coulomb;
+mod error;
+mod law;
+mod linear;
+mod loop_curve;
+mod masing;
+mod masing_tangent;
+mod path;
+mod real;
+mod scaled_loop;
+mod scaling;
+mod tangent;
+mod turning_points;
+
+pub use cubic::{Cubic, CubicParameters};
+pub use elastic_coulomb::{ElasticCoulomb, ElasticCoulombParameters};
+pub use error::{LawError, ParameterError};
+pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
+pub use linear::{Linear, LinearParameters};
+pub use scaled_loop::{EVEN_CONTENT_LIMIT, ScaledLoop, Symmetry};
+pub use scaling::{MagnitudeLaw, PhaseLaw};
+pub use tangent::{Recall, Recalled, Tangent};
+pub use turning_points::{TurningPoint, TurningPoints};

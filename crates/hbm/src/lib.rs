@@ -1,1 +1,26 @@
-//! hbm
+//! N-harmonic balance with alternating frequency–time (AFT) evaluation of contact forces.
+//!
+//! `M ẅ + D ẇ + C w = f_ext − Σ contacts` is solved for its periodic response, eqs (1)–(4) of the paper for any
+//! number of harmonics N. The corridor: [`Problem`] (model, excitation, contacts) → [`Plan`] (what this problem
+//! needs, made once) → [`Solution`] for each frequency; [`sweep`] maps the last step over frequencies in parallel.
+//!
+//! # Conventions
+//!
+//! One-sided complex amplitudes, `w(t) = Re Σ_{k=0..N} W_k e^{ikΩt}`; SI units; frequencies in Hz. A contact force is
+//! given as it acts **on the first body** of the contact: it opposes the motion.
+
+mod error;
+mod model;
+mod plan;
+mod problem;
+mod settings;
+mod solution;
+mod sweep;
+
+pub use error::{ModelError, PlanError};
+pub use model::{Damping, Model};
+pub use plan::{Plan, PlanFacts, Workspace};
+pub use problem::{Contact, Excitation, ExcitationKind, Problem};
+pub use settings::{Jacobian, Settings, Start};
+pub use solution::{ContactSolution, FailureReason, Solution, Stats, Status, Waveform, WaveformContact};
+pub use sweep::{Sweep, SweepOptions, sweep};

@@ -1,0 +1,66 @@
+//! What can go wrong with a contact law: when it is built, and when it is evaluated.
+
+use thiserror::Error;
+
+/// A parameter that a law cannot be built from. `key` is the parameter's name in a scene file, so that a
+/// reader of the message finds the entry.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{key}: {problem}")]
+pub struct ParameterError {
+    /// Dotted path of the offending parameter below the law, for example `slip_force` or `phase.decay`.
+    pub key: &'static str,
+    /// What is wrong, with the value that was given.
+    pub problem: String,
+}
+
+impl ParameterError {
+    /// An error about the parameter `key`.
+    pub fn new(key: &'static str, problem: impl Into<String>) -> Self {
+        Self { key, problem: problem.into() }
+    }
+
+    /// Checks that `value` is finite and positive.
+    pub(crate) fn positive(key: &'static str, value: f64) -> Result<f64, Self> {
+        if value.is_finite() && value > 0.0 {
+            Ok(value)
+        } else {
+            Err(Self::new(key, format!("must be positive, got {value}")))
+        }
+    }
+
+    /// Checks that `value` is finite and not negative.
+    pub(crate) fn not_negative(key: &'static str, value: f64) -> Result<f64, Self> {
+        if value.is_finite() && value >= 0.0 {
+            Ok(value)
+        } else {
+            Err(Self::new(key, format!("must not be negative, got {value}")))
+        }
+    }
+
+    /// Checks that `value` is finite.
+    pub(crate) fn finite(key: &'static str, value: f64) -> Result<f64, Self> {
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(Self::new(key, format!("must be finite, got {value}")))
+        }
+    }
+}
+
+/// A motion for which a law has no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum LawError {
+    /// The relative displacement is constant: a loop of zero amplitude has no loop phase, and the force is
+    /// any value up to the holding force.
+    #[error("the contact does not move, so its force is undetermined up to the holding force")]
+    NoMotion,
+    /// The magnitude law g(α) is negative at this amplitude ratio.
+    #[error("the magnitude law g(α) is negative at α = {alpha:.3e}")]
+    NegativeMagnitude {
+        /// Amplitude ratio α = a / W*.
+        alpha: f64,
+    },
+    /// The displacement is not a finite number.
+    #[error("the displacement is not a finite number")]
+    NotFinite,
+}

@@ -1,0 +1,154 @@
+//! What a contact law answers: the trait [`Law`] and the plain types it speaks in.
+
+use std::fmt;
+
+use num_complex::Complex64;
+
+use crate::error::LawError;
+use crate::masing::Masing;
+use crate::masing_tangent::MasingTangent;
+use crate::path::Piece;
+use crate::tangent::Tangent;
+use crate::turning_points::TurningPoints;
+
+/// What kind of law this is; a solver plans with it before any motion is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Nature {
+    /// The force of the mirrored motion is the mirrored force: an odd motion needs odd harmonics only.
+    pub odd: bool,
+    /// The mean force depends on the mean displacement (springs). Friction laws answer `false`: their slider
+    /// follows the mean.
+    pub determines_mean: bool,
+    /// Force proportional to displacement: no iteration is needed for it.
+    pub linear: bool,
+}
+
+/// One period of the relative displacement of a contact, in harmonics and in samples.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion<'a> {
+    /// `W_0 … W_N` in m, one-sided: `w(τ) = Re Σ W_k e^{ikτ}`.
+    pub spectrum: &'a [Complex64],
+    /// `w(τ_j)`, τ_j = 2πj/M, j = 0 … M−1, in m.
+    pub displacement: &'a [f64],
+    /// `dw/dτ (τ_j)` in m.
+    pub velocity: &'a [f64],
+    /// Only odd harmonics are present: `w(τ + π) = −w(τ)`.
+    pub odd: bool,
+}
+
+/// What the contact does over the period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ContactState {
+    /// Elastic all the time.
+    Stick,
+    /// Slipping all the time.
+    Slip,
+    /// Sticking and slipping in turn, or gradually both (loop laws).
+    Mixed,
+    /// At rest: a set-valued law holds it.
+    Held,
+}
+
+/// What a force evaluation noticed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Marks {
+    /// The amplitude lies outside the range the law was measured in.
+    pub extrapolated: bool,
+    /// Stick, slip, or both.
+    pub state: ContactState,
+}
+
+/// First force harmonic of a motion `w = a cos τ`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstHarmonic {
+    /// `F_1(a)` in N, rig convention: `f = Re F_1 e^{iτ} + higher harmonics`.
+    pub force: Complex64,
+    /// `dF_1/da` in N/m.
+    pub derivative: Complex64,
+}
+
+/// Closed form of the first force harmonic: with it the balance of one harmonic and one contact is one real equation.
+pub trait DescribingFunction {
+    /// `F_1(a)` and `dF_1/da` for amplitude `a` > 0 in m.
+    fn first_harmonic(&self, a: f64) -> FirstHarmonic;
+
+    /// `lim_{a→0} F_1(a)` in N. Its magnitude is the holding force of a set-valued law: at rest the contact
+    /// exerts any force up to it. Zero for all other laws.
+    fn at_rest(&self) -> Complex64 {
+        Complex64::ZERO
+    }
+
+    /// An amplitude where `dF_1/da` jumps or `F_1` changes its character, in m.
+    fn landmark(&self) -> Option<f64> {
+        None
+    }
+}
+
+/// Buffers of one contact, made once and reused by every evaluation; what is in them belongs to the law.
+#[derive(Debug, Clone)]
+pub struct Workspace {
+    pub(crate) turning_points: TurningPoints,
+    pub(crate) masing: Masing<f64>,
+    pub(crate) masing_tangent: MasingTangent,
+    pub(crate) pieces: Vec<Piece>,
+    pub(crate) tangent: Tangent,
+}
+
+impl Workspace {
+    /// Buffers for motions with `samples` samples a period.
+    pub fn new(samples: usize) -> Self {
+        Self {
+            turning_points: TurningPoints::default(),
+            masing: Masing::default(),
+            masing_tangent: MasingTangent::default(),
+            pieces: Vec::new(),
+            tangent: Tangent::new(samples),
+        }
+    }
+}
+
+/// A contact law: the force of one contact over one period of its relative displacement.
+///
+/// All laws here are rate-independent and scalar. Amplitudes are half peak-to-peak.
+pub trait Law: Send + Sync + fmt::Debug {
+    /// The law's name in a scene file.
+    fn name(&self) -> &'static str;
+
+    /// What kind of law this is.
+    fn nature(&self) -> Nature;
+
+    /// Displacement amplitude in m at which the law changes its character; `None` for a law without one (a
+    /// spring). Solvers scale their unknowns with it.
+    fn length(&self) -> Option<f64>;
+
+    /// Magnitude of the secant stiffness `|F_1|/a` in N/m at the amplitude `a` in m.
+    fn secant_stiffness(&self, a: f64) -> f64 {
+        self.describing_function().map_or(0.0, |law| law.first_harmonic(a).force.norm() / a)
+    }
+
+    /// The force `f(τ_j)` in N (rig convention), written to `force` (as long as `motion.displacement`).
+    ///
+    /// # Errors
+    /// [`LawError`] when the motion has no force under this law; `force` is then meaningless.
+    fn force(&self, motion: &Motion, workspace: &mut Workspace, force: &mut [f64])
+    -> Result<Marks, LawError>;
+
+    /// The derivative of the force at the motion that [`Law::force`] was last called with in this workspace.
+    fn tangent<'w>(&self, motion: &Motion, workspace: &'w mut Workspace) -> &'w Tangent;
+
+    /// The closed form for one harmonic, where the law has one.
+    fn describing_function(&self) -> Option<&dyn DescribingFunction> {
+        None
+    }
+
+    /// Force magnitude in N that the contact can hold at rest; positive for set-valued laws only.
+    fn holding_force(&self) -> f64 {
+        self.describing_function().map_or(0.0, |law| law.at_rest().norm())
+    }
+
+    /// Most harmonics the law's own description has (1 where that has no meaning): more samples than this plus
+    /// the motion's harmonics are needed for the force not to alias.
+    fn own_harmonics(&self) -> usize {
+        1
+    }
+}

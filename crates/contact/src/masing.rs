@@ -1,0 +1,160 @@
+//! Masing's memory for one friction loop: which branch the contact is on at every instant of a period.
+//!
+//! From the global maximum to the global minimum the contact unloads along the loop's upper branch, and back along
+//! the lower one. A reversal in between starts a minor branch of the same shape from where it happens towards the
+//! reversal before it; when the displacement gets back there, the minor loop is closed, forgotten, and the branch
+//! it interrupted goes on. The nesting is the rainflow decomposition of the period begun at the global maximum.
+//!
+//! The rule is continuous where reversals appear, vanish or tie. For a loop whose branches are not mirror images
+//! a minor branch is scaled by the `ratio` that makes it end where it should.
+
+use crate::loop_curve::{Direction, LoopCurve, Place};
+use crate::path::{Path, Piece};
+use crate::real::Real;
+
+/// A branch: where it starts, where it would close, and how its force runs:
+/// `f = f_start ∓ ratio · change(p)`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Branch<T> {
+    /// Turning point at which it starts.
+    pub(crate) start: usize,
+    /// Turning point at whose displacement it closes.
+    pub(crate) target: usize,
+    pub(crate) direction: Direction,
+    pub(crate) force_at_start: T,
+    /// 1 on the main branches and for odd loops.
+    pub(crate) ratio: T,
+    /// One of the two main branches: its far end is a tip of the loop.
+    pub(crate) main: bool,
+    /// The branch on which the start lies (itself for the two main ones).
+    pub(crate) parent: usize,
+}
+
+/// The branches of one period and the samples on them; reused between evaluations.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Masing<T> {
+    pub(crate) curve: LoopCurve<T>,
+    pub(crate) branches: Vec<Branch<T>>,
+    pub(crate) pieces: Vec<Piece>,
+    stack: Vec<usize>,
+}
+
+/// Place on `branch` at displacement distance `gone` from its start, both in units of the amplitude.
+pub(crate) fn place<T: Real>(gone: T) -> Place<T> {
+    let gone = if gone.value() < 0.0 { T::from(0.0) } else { gone };
+    let left = T::from(2.0) - gone;
+    Place { gone, left: if left.value() < 0.0 { T::from(0.0) } else { left } }
+}
+
+impl<T: Real> Masing<T> {
+    /// Walks through one period of `path` with loop amplitude `a` and writes the force at every sample.
+    pub(crate) fn trace(&mut self, path: &impl Path<T>, a: T, force: &mut [T]) {
+        self.branches.clear();
+        self.pieces.clear();
+        self.stack.clear();
+        let samples = force.len();
+        let lowest = path.lowest();
+        for r in 0..path.count() {
+            if r == 0 {
+                self.begin_main(0, lowest, Direction::Unloading, self.curve.upper);
+            } else if r == lowest {
+                self.begin_main(lowest, 0, Direction::Loading, self.curve.lower);
+            } else {
+                self.reverse(path, a, r);
+            }
+            self.walk(path, a, path.first_sample(r), path.first_sample(r + 1), force, samples);
+            self.close_until(path, path.tip(r + 1));
+        }
+    }
+
+    fn begin_main(&mut self, start: usize, target: usize, direction: Direction, force_at_start: T) {
+        self.stack.clear();
+        self.stack.push(self.branches.len());
+        let parent = self.branches.len();
+        let ratio = T::from(1.0);
+        self.branches.push(Branch { start, target, direction, force_at_start, ratio, main: true, parent });
+    }
+
+    /// Starts a minor branch at turning point `r`, towards the start of the branch it interrupts.
+    fn reverse(&mut self, path: &impl Path<T>, a: T, r: usize) {
+        let Some((parent, branch)) = self.current() else { return };
+        let gone = (path.tip(r) - path.tip(branch.start)) * branch.direction.sign() / a;
+        let turn = place(gone);
+        let force_at_start = self.force_on(&branch, turn);
+        let direction = branch.direction.reversed();
+        let ratio = if self.curve.is_odd() || turn.gone.value() <= 0.0 {
+            branch.ratio
+        } else {
+            // Ends at the force where the interrupted branch began.
+            branch.ratio * self.curve.change(branch.direction, turn) / self.curve.change(direction, turn)
+        };
+        self.stack.push(self.branches.len());
+        self.branches.push(Branch {
+            start: r,
+            target: branch.start,
+            direction,
+            force_at_start,
+            ratio,
+            main: false,
+            parent,
+        });
+    }
+
+    fn current(&self) -> Option<(usize, Branch<T>)> {
+        let index = *self.stack.last()?;
+        Some((index, *self.branches.get(index)?))
+    }
+
+    /// Forgets every minor loop that is closed when the displacement arrives at `w`.
+    fn close_until(&mut self, path: &impl Path<T>, w: T) {
+        while self.stack.len() > 2 {
+            let Some((_, branch)) = self.current() else { return };
+            let beyond = (w - path.tip(branch.target)) * branch.direction.sign();
+            if beyond.value() <= 0.0 {
+                return;
+            }
+            self.stack.truncate(self.stack.len() - 2);
+        }
+    }
+
+    /// Forces at samples `first..end` (counted on past a full period) between two turning points.
+    fn walk(&mut self, path: &impl Path<T>, a: T, first: usize, end: usize, force: &mut [T], samples: usize) {
+        let mut from = first;
+        while from < end {
+            self.close_until(path, path.sample(from % samples));
+            let Some((index, branch)) = self.current() else { return };
+            // The branch may close on the way; on the lowest two levels it cannot.
+            let closes = self.stack.len() > 2;
+            let target = path.tip(branch.target);
+            let mut j = from;
+            while j < end {
+                let sample = j % samples;
+                if closes && ((path.sample(sample) - target) * branch.direction.sign()).value() > 0.0 {
+                    break;
+                }
+                let here = self.place_of(path, a, &branch, sample);
+                if let Some(slot) = force.get_mut(sample) {
+                    *slot = self.force_on(&branch, here);
+                }
+                j += 1;
+            }
+            self.pieces.push(Piece { owner: index, first: from, end: j });
+            from = j;
+        }
+    }
+
+    /// Where sample `j` lies on `branch`.
+    pub(crate) fn place_of(&self, path: &impl Path<T>, a: T, branch: &Branch<T>, j: usize) -> Place<T> {
+        let here = place(path.distance(j, branch.start) / a);
+        if branch.main && here.left.value() < 1.0 {
+            let back = place(path.distance(j, branch.target) / a);
+            return Place { gone: back.left, left: back.gone };
+        }
+        here
+    }
+
+    fn force_on(&self, branch: &Branch<T>, place: Place<T>) -> T {
+        let change = branch.ratio * self.curve.change(branch.direction, place);
+        branch.force_at_start + change * branch.direction.sign()
+    }
+}

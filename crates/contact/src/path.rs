@@ -1,0 +1,95 @@
+//! A period of motion as hysteretic laws walk through it: turning points, and the samples between them.
+
+use std::f64::consts::TAU;
+
+use crate::law::Motion;
+use crate::turning_points::{TurningPoint, TurningPoints, drop_from};
+
+/// Consecutive samples that share an owner (a branch, a turning point). Samples count on from the first after the
+/// global maximum and may exceed the number of samples of a period.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Piece {
+    pub(crate) owner: usize,
+    pub(crate) first: usize,
+    pub(crate) end: usize,
+}
+
+/// Displacements at turning points and samples, for any number type.
+pub(crate) trait Path<T> {
+    /// Number of turning points; the first is the global maximum.
+    fn count(&self) -> usize;
+    /// Position of the global minimum.
+    fn lowest(&self) -> usize;
+    /// Displacement at turning point `r` (`count` means the first again).
+    fn tip(&self, r: usize) -> T;
+    /// First sample at or after turning point `r`, counting on past a full period.
+    fn first_sample(&self, r: usize) -> usize;
+    /// Displacement of sample `j` < number of samples.
+    fn sample(&self, j: usize) -> T;
+    /// |w_j − w_r|, without cancellation when the sample is close to the turning point in time.
+    fn distance(&self, j: usize, r: usize) -> T;
+}
+
+/// The path of a sampled motion.
+pub(crate) struct SampledPath<'a> {
+    motion: &'a Motion<'a>,
+    tips: &'a TurningPoints,
+    samples: usize,
+    /// Below this distance from a turning point the spectrum is asked instead of the samples, in m.
+    close: f64,
+}
+
+impl<'a> SampledPath<'a> {
+    pub(crate) fn new(motion: &'a Motion<'a>, tips: &'a TurningPoints) -> Self {
+        // θ ~ √(distance): a rounding error ε in the distance becomes ε / √(8 · 1e-4) in θ.
+        Self { motion, tips, samples: motion.displacement.len(), close: 1e-4 * tips.amplitude() }
+    }
+
+    pub(crate) fn point(&self, r: usize) -> TurningPoint {
+        let points = self.tips.points();
+        let index = if r < points.len() { r } else { r.saturating_sub(points.len()) };
+        points.get(index).copied().unwrap_or(TurningPoint { tau: 0.0, displacement: 0.0, acceleration: 0.0 })
+    }
+
+    /// Phase of sample `j` after turning point `r`, in (−π, π].
+    pub(crate) fn phase_after(&self, j: usize, r: usize) -> f64 {
+        let delta = j as f64 * (TAU / self.samples as f64) - self.point(r).tau;
+        delta - TAU * (delta / TAU).round()
+    }
+}
+
+impl Path<f64> for SampledPath<'_> {
+    fn count(&self) -> usize {
+        self.tips.points().len()
+    }
+
+    fn lowest(&self) -> usize {
+        self.tips.lowest()
+    }
+
+    fn tip(&self, r: usize) -> f64 {
+        self.point(r).displacement
+    }
+
+    fn first_sample(&self, r: usize) -> usize {
+        let whole = if r == self.count() { self.samples } else { 0 };
+        whole + (self.point(r).tau * (self.samples as f64 / TAU)).ceil() as usize
+    }
+
+    #[inline]
+    fn sample(&self, j: usize) -> f64 {
+        self.motion.displacement.get(j).copied().unwrap_or(0.0)
+    }
+
+    #[inline]
+    fn distance(&self, j: usize, r: usize) -> f64 {
+        let difference = (self.sample(j) - self.tip(r)).abs();
+        if difference < self.close {
+            let delta = self.phase_after(j, r);
+            if delta.abs() < 0.5 {
+                return drop_from(self.motion.spectrum, self.point(r).tau, delta).abs();
+            }
+        }
+        difference
+    }
+}

@@ -1,0 +1,44 @@
+//! The few operations a force kernel needs of its number type, so that the same kernel runs on `f64` in
+//! production and on dual numbers where its derivatives are verified.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A real number type: `f64`, or one that carries derivatives along.
+pub(crate) trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Mul<f64, Output = Self>
+    + From<f64>
+{
+    /// The plain value, for decisions.
+    fn value(self) -> f64;
+    /// √x.
+    fn sqrt(self) -> Self;
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+}
+
+#[cfg(test)]
+impl Real for num_dual::Dual64 {
+    fn value(self) -> f64 {
+        self.re
+    }
+
+    fn sqrt(self) -> Self {
+        num_dual::DualNum::sqrt(&self)
+    }
+}

@@ -1,0 +1,225 @@
+//! The paper's contact law: one measured loop, scaled in magnitude and phase to the current amplitude.
+//!
+//! For harmonic motion of amplitude a = α W*, the first force harmonic on the mass is, eqs (6)–(9),
+//!
+//! ```text
+//! F_1 = F* g(α) e^{i(ψ_C(α) + arg W_1)},   g(α) = 0.98 + 0.21 ln(α + 0.01),   ψ_C(α) = −π/2 − (7/15) π e^{−4α}
+//! ```
+//!
+//! For any other periodic motion the measured loop is followed over its *loop phase* θ, with the coefficients
+//!
+//! ```text
+//! c_1(α) = −g(α) F* e^{iψ_C(α)},   c_k(α) = σ(α) F*_k for k ≥ 2,   σ(α) = Im c_1(α) / Im F*_1
+//! ```
+//!
+//! in rig convention: higher harmonics come from slip, so they scale with the dissipative part, and the half-width of
+//! the scaled loop is the measured one times a non-negative number. Reversals inside a period follow Masing's memory.
+
+use std::f64::consts::PI;
+
+use hysteresis::Loop;
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{LawError, ParameterError};
+use crate::law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
+use crate::path::SampledPath;
+use crate::scaling::{MagnitudeLaw, PhaseLaw};
+use crate::tangent::Tangent;
+
+/// Whether a loop's even harmonics are used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Symmetry {
+    /// The odd part when the even content is below the record's noise or 2 %, else everything.
+    #[default]
+    Auto,
+    /// The odd part.
+    Odd,
+    /// Everything.
+    Full,
+}
+
+/// Even content up to which [`Symmetry::Auto`] takes the odd part, relative to |F_1|.
+pub const EVEN_CONTENT_LIMIT: f64 = 0.02;
+
+/// A measured loop scaled to the current amplitude.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScaledLoop {
+    magnitude: MagnitudeLaw,
+    phase: PhaseLaw,
+    /// W* in m.
+    reference_displacement: f64,
+    /// F* = |F*_1| in N.
+    reference_force: f64,
+    /// F*_k / Im F*_1, index k = 0 … K; entries 0 and 1 are zero.
+    shape: Vec<Complex64>,
+    odd: bool,
+    /// arg F*_1 − (π + ψ_C(1)) in rad.
+    phase_mismatch: f64,
+}
+
+impl ScaledLoop {
+    /// The law that scales `measured`; `noise` is the record's noise relative to |F_1| (0 when unknown), which decides
+    /// about even harmonics in [`Symmetry::Auto`]. The loop's mean force is left out: it has no meaning at another
+    /// amplitude.
+    ///
+    /// # Errors
+    /// [`ParameterError`] when a scaling law would create energy: g negative for α in [0, 1], or a phase outside
+    /// [−π, 0].
+    pub fn new(
+        measured: &Loop,
+        noise: f64,
+        magnitude: MagnitudeLaw,
+        phase: PhaseLaw,
+        symmetry: Symmetry,
+    ) -> Result<Self, ParameterError> {
+        magnitude.check()?;
+        phase.check()?;
+        let odd = match symmetry {
+            Symmetry::Auto => measured.even_content() <= noise.max(EVEN_CONTENT_LIMIT),
+            Symmetry::Odd => true,
+            Symmetry::Full => measured.even_content() == 0.0,
+        };
+        let dissipative = measured.coefficients().get(1).map_or(0.0, |c| c.im);
+        if dissipative <= 0.0 {
+            return Err(ParameterError::new(
+                "loop",
+                "its first harmonic dissipates nothing (Im F_1 must be positive)",
+            ));
+        }
+        let keep = |k: usize| k >= 2 && !(odd && k.is_multiple_of(2));
+        let shape = measured.coefficients().iter().enumerate();
+        Ok(Self {
+            magnitude,
+            phase,
+            reference_displacement: measured.displacement_amplitude(),
+            reference_force: measured.force_amplitude(),
+            shape: shape.map(|(k, c)| if keep(k) { c / dissipative } else { Complex64::ZERO }).collect(),
+            odd,
+            phase_mismatch: measured.phase() - (PI + phase.value(1.0)),
+        })
+    }
+
+    /// The law of a loop of which only displacement amplitude W* (m) and first force harmonic F* (N) are known: an
+    /// ellipse with the phase of eq. (7).
+    ///
+    /// # Errors
+    /// [`ParameterError`] as in [`ScaledLoop::new`], and when an amplitude is not positive.
+    pub fn ellipse(
+        displacement: f64,
+        force: f64,
+        magnitude: MagnitudeLaw,
+        phase: PhaseLaw,
+    ) -> Result<Self, ParameterError> {
+        ParameterError::positive("loop.displacement", displacement)?;
+        ParameterError::positive("loop.force", force)?;
+        magnitude.check()?;
+        phase.check()?;
+        Ok(Self {
+            magnitude,
+            phase,
+            reference_displacement: displacement,
+            reference_force: force,
+            shape: vec![Complex64::ZERO; 2],
+            odd: true,
+            phase_mismatch: 0.0,
+        })
+    }
+
+    /// W* in m: displacement amplitude of the measured loop.
+    pub fn reference_displacement(&self) -> f64 {
+        self.reference_displacement
+    }
+
+    /// F* in N: magnitude of the measured loop's first force harmonic.
+    pub fn reference_force(&self) -> f64 {
+        self.reference_force
+    }
+
+    /// The measured loop's phase minus what eq. (7) says at α = 1, in rad. The law wins.
+    pub fn phase_mismatch(&self) -> f64 {
+        self.phase_mismatch
+    }
+
+    /// Whether the law is odd: the measured loop is, or its even harmonics were left out.
+    pub fn is_odd(&self) -> bool {
+        self.odd
+    }
+
+    /// c_1(α) in N and dc_1/dα.
+    fn first(&self, alpha: f64) -> (Complex64, Complex64) {
+        let g = self.magnitude.value(alpha);
+        let unit = Complex64::from_polar(self.reference_force, PI + self.phase.value(alpha));
+        let derivative = Complex64::new(self.magnitude.derivative(alpha), g * self.phase.derivative(alpha));
+        (unit * g, unit * derivative)
+    }
+
+    /// Coefficients c_k with the given c_1; the same for derivatives, as σ is linear in c_1.
+    fn coefficients(&self, first: Complex64) -> impl Iterator<Item = Complex64> {
+        self.shape.iter().enumerate().map(move |(k, shape)| if k == 1 { first } else { shape * first.im })
+    }
+}
+
+impl Law for ScaledLoop {
+    fn name(&self) -> &'static str {
+        "scaled_loop"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature { odd: self.odd, determines_mean: false, linear: false }
+    }
+
+    fn length(&self) -> Option<f64> {
+        Some(self.reference_displacement)
+    }
+
+    fn force(
+        &self,
+        motion: &Motion,
+        workspace: &mut Workspace,
+        force: &mut [f64],
+    ) -> Result<Marks, LawError> {
+        let Workspace { turning_points: tips, masing, masing_tangent, .. } = workspace;
+        tips.find(motion)?;
+        let a = tips.amplitude();
+        let alpha = a / self.reference_displacement;
+        if self.magnitude.value(alpha) < 0.0 {
+            return Err(LawError::NegativeMagnitude { alpha });
+        }
+        let (first, derivative) = self.first(alpha);
+        masing.curve.set(self.coefficients(first), self.odd);
+        masing_tangent.growth.set(self.coefficients(derivative / self.reference_displacement), self.odd);
+        masing.trace(&SampledPath::new(motion, tips), a, force);
+        Ok(Marks { extrapolated: alpha > 1.0 + 1e-9, state: ContactState::Mixed })
+    }
+
+    fn tangent<'w>(&self, motion: &Motion, workspace: &'w mut Workspace) -> &'w Tangent {
+        let Workspace { turning_points, masing, masing_tangent, tangent, .. } = workspace;
+        masing_tangent.evaluate(masing, motion, turning_points, tangent);
+        tangent
+    }
+
+    fn describing_function(&self) -> Option<&dyn DescribingFunction> {
+        Some(self)
+    }
+
+    fn own_harmonics(&self) -> usize {
+        self.shape.len().saturating_sub(1)
+    }
+}
+
+impl DescribingFunction for ScaledLoop {
+    fn first_harmonic(&self, a: f64) -> FirstHarmonic {
+        let (force, derivative) = self.first(a / self.reference_displacement);
+        FirstHarmonic { force, derivative: derivative / self.reference_displacement }
+    }
+
+    fn at_rest(&self) -> Complex64 {
+        self.first(0.0).0
+    }
+
+    fn landmark(&self) -> Option<f64> {
+        // Where ln(α + shift) bends.
+        Some(self.magnitude.shift * self.reference_displacement)
+    }
+}

@@ -1,0 +1,268 @@
+//! Turning points of a periodic displacement: every zero of its velocity, found from the spectrum so that the
+//! result does not depend on how samples fall.
+
+use std::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
+
+use crate::error::LawError;
+use crate::law::Motion;
+
+/// A maximum or minimum of the displacement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TurningPoint {
+    /// Phase in rad. Ascending from the first, which lies in [0, 2π); later ones may exceed 2π.
+    pub tau: f64,
+    /// Displacement in m.
+    pub displacement: f64,
+    /// d²w/dτ² in m: negative at a maximum.
+    pub acceleration: f64,
+}
+
+/// The turning points of one period in order of time, beginning at the global maximum; maxima (even positions)
+/// and minima (odd positions) alternate. Of several equal extremes the first instant of the period counts.
+#[derive(Debug, Clone, Default)]
+pub struct TurningPoints {
+    points: Vec<TurningPoint>,
+    lowest: usize,
+}
+
+/// w, dw/dτ and d²w/dτ² at one phase.
+#[derive(Clone, Copy)]
+struct Jet {
+    displacement: f64,
+    velocity: f64,
+    acceleration: f64,
+}
+
+fn jet(spectrum: &[Complex64], tau: f64) -> Jet {
+    let step = Complex64::cis(tau);
+    let mut wave = Complex64::ONE;
+    let (mut w, mut v, mut a) = (0.0, 0.0, 0.0);
+    let mut k = 0.0;
+    for amplitude in spectrum {
+        let term = amplitude * wave;
+        w += term.re;
+        v -= k * term.im;
+        a -= k * k * term.re;
+        wave *= step;
+        k += 1.0;
+    }
+    Jet { displacement: w, velocity: v, acceleration: a }
+}
+
+/// Zero of the velocity in [left, right], where it has the signs `rising` → not: safeguarded Newton.
+fn zero_of_velocity(
+    spectrum: &[Complex64],
+    mut left: f64,
+    mut right: f64,
+    mut at: f64,
+    rising: bool,
+) -> TurningPoint {
+    let mut here = jet(spectrum, at);
+    for _ in 0..60 {
+        if here.velocity == 0.0 {
+            break;
+        }
+        if (here.velocity > 0.0) == rising {
+            left = at;
+        } else {
+            right = at;
+        }
+        let newton = at - here.velocity / here.acceleration;
+        let inside = newton > left && newton < right;
+        let next = if inside { newton } else { 0.5 * (left + right) };
+        if (next - at).abs() <= 2.0 * f64::EPSILON * next.abs().max(1.0) {
+            at = next;
+            here = jet(spectrum, at);
+            break;
+        }
+        at = next;
+        here = jet(spectrum, at);
+    }
+    TurningPoint { tau: at, displacement: here.displacement, acceleration: here.acceleration }
+}
+
+/// Where |velocity| is smallest in [left, right] when it does not change sign there, and its value.
+fn slowest(spectrum: &[Complex64], left: f64, right: f64) -> (f64, f64) {
+    // Golden section on |v|: rare, short, and needs no third derivative.
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut a, mut b) = (left, right);
+    let speed = |tau: f64| jet(spectrum, tau).velocity;
+    let sign = speed(left).signum();
+    let mut x = b - RATIO * (b - a);
+    let mut y = a + RATIO * (b - a);
+    let (mut vx, mut vy) = (sign * speed(x), sign * speed(y));
+    for _ in 0..40 {
+        if vx < 0.0 {
+            return (x, sign * vx);
+        }
+        if vy < 0.0 {
+            return (y, sign * vy);
+        }
+        if vx < vy {
+            b = y;
+            (y, vy) = (x, vx);
+            x = b - RATIO * (b - a);
+            vx = sign * speed(x);
+        } else {
+            a = x;
+            (x, vx) = (y, vy);
+            y = a + RATIO * (b - a);
+            vy = sign * speed(y);
+        }
+    }
+    if vx < vy { (x, sign * vx) } else { (y, sign * vy) }
+}
+
+impl TurningPoints {
+    /// Finds all turning points of `motion`.
+    ///
+    /// Every sign change of the sampled velocity gives one; where the velocity comes close to zero between
+    /// samples without changing sign there, a pair may hide, and is looked for.
+    ///
+    /// # Errors
+    /// [`LawError::NoMotion`] when the displacement is constant, [`LawError::NotFinite`] when it is no number.
+    pub fn find(&mut self, motion: &Motion) -> Result<(), LawError> {
+        self.points.clear();
+        self.lowest = 0;
+        let samples = motion.velocity.len();
+        if motion.spectrum.iter().any(|c| !c.re.is_finite() || !c.im.is_finite()) {
+            return Err(LawError::NotFinite);
+        }
+        if samples < 4 || motion.spectrum.iter().skip(1).all(|c| *c == Complex64::ZERO) {
+            return Err(LawError::NoMotion);
+        }
+        self.scan(motion, if motion.odd { samples / 2 } else { samples });
+        if motion.odd {
+            self.mirror();
+        }
+        self.order(motion.odd)
+    }
+
+    /// Turning points between the first `count` samples and their successors.
+    fn scan(&mut self, motion: &Motion, count: usize) {
+        let v = motion.velocity;
+        let samples = v.len();
+        let step = TAU / samples as f64;
+        let at = |j: usize| v.get(j % samples).copied().unwrap_or(0.0);
+        // A zero sample counts as a positive one, so that every change of sign lies in exactly one interval.
+        for j in 0..count {
+            let (here, next) = (at(j), at(j + 1));
+            let (left, right) = (j as f64 * step, (j + 1) as f64 * step);
+            let rising = here >= 0.0;
+            if rising != (next >= 0.0) {
+                let guess = left + step * here / (here - next);
+                self.points.push(zero_of_velocity(motion.spectrum, left, right, guess, rising));
+                continue;
+            }
+            // Same sign at both ends: |v| has a minimum inside only if it falls on entering and rises on leaving.
+            let sign = if rising { 1.0 } else { -1.0 };
+            let (before, after) = (sign * at(j + samples - 1), sign * at(j + 2));
+            let (low, high) = (sign * here, sign * next);
+            // A convex |v| cannot fall further inside than it fell over the interval before, nor rise by more than
+            // it rises over the one after.
+            if before - low > low && after - high > high {
+                let (tau, velocity) = slowest(motion.spectrum, left, right);
+                if velocity * sign < 0.0 {
+                    self.points.push(zero_of_velocity(
+                        motion.spectrum,
+                        left,
+                        tau,
+                        0.5 * (left + tau),
+                        rising,
+                    ));
+                    self.points.push(zero_of_velocity(
+                        motion.spectrum,
+                        tau,
+                        right,
+                        0.5 * (tau + right),
+                        !rising,
+                    ));
+                }
+            }
+        }
+    }
+
+    /// Completes the half period [0, π) by w(τ + π) = −w(τ).
+    fn mirror(&mut self) {
+        for i in 0..self.points.len() {
+            if let Some(&p) = self.points.get(i) {
+                self.points.push(TurningPoint {
+                    tau: p.tau + PI,
+                    displacement: -p.displacement,
+                    acceleration: -p.acceleration,
+                });
+            }
+        }
+    }
+
+    /// Puts the first global maximum first and notes the first global minimum after it.
+    fn order(&mut self, odd: bool) -> Result<(), LawError> {
+        let points = &mut self.points;
+        let top = points.iter().map(|p| p.displacement).fold(f64::NEG_INFINITY, f64::max);
+        let bottom = points.iter().map(|p| p.displacement).fold(f64::INFINITY, f64::min);
+        if points.len() < 2 || top <= bottom {
+            return Err(LawError::NoMotion);
+        }
+        let first = points.iter().position(|p| p.displacement == top).unwrap_or(0);
+        points.rotate_left(first);
+        let start = points.first().map_or(0.0, |p| p.tau);
+        for p in points.iter_mut().filter(|p| p.tau < start) {
+            p.tau += TAU;
+        }
+        self.lowest = if odd {
+            // Half a period after the maximum, whichever of several equal minima comes first.
+            points.len() / 2
+        } else {
+            points.iter().position(|p| p.displacement == bottom).unwrap_or(1)
+        };
+        Ok(())
+    }
+
+    /// The points in order of time, the global maximum first.
+    pub fn points(&self) -> &[TurningPoint] {
+        &self.points
+    }
+
+    /// Position of the global minimum in [`TurningPoints::points`].
+    pub fn lowest(&self) -> usize {
+        self.lowest
+    }
+
+    /// Half the range of the displacement in m; zero without motion.
+    pub fn amplitude(&self) -> f64 {
+        match (self.points.first(), self.points.get(self.lowest)) {
+            (Some(top), Some(bottom)) => 0.5 * (top.displacement - bottom.displacement),
+            _ => 0.0,
+        }
+    }
+}
+
+/// `w(τ_r) − w(τ_r + δ)` in m at a turning point τ_r, without cancellation for small δ: the first-order term
+/// `w'(τ_r) δ = 0` is left out analytically.
+pub(crate) fn drop_from(spectrum: &[Complex64], tau: f64, delta: f64) -> f64 {
+    let step = Complex64::cis(tau);
+    let mut wave = Complex64::ONE;
+    let mut drop = 0.0;
+    let mut angle = 0.0_f64;
+    for amplitude in spectrum {
+        let half = (0.5 * angle).sin();
+        let term = amplitude * wave;
+        // Re[W e^{ikτ} (2 sin²(kδ/2) − i (sin kδ − kδ))]
+        drop += term.re * 2.0 * half * half - term.im * angle_minus_sine(angle);
+        wave *= step;
+        angle += delta;
+    }
+    drop
+}
+
+/// x − sin x without cancellation.
+pub(crate) fn angle_minus_sine(x: f64) -> f64 {
+    if x.abs() > 0.5 {
+        return x - x.sin();
+    }
+    let y = x * x;
+    x * y / 6.0
+        * (1.0 - y / 20.0 * (1.0 - y / 42.0 * (1.0 - y / 72.0 * (1.0 - y / 110.0 * (1.0 - y / 156.0)))))
+}

@@ -1,0 +1,62 @@
+//! What is to be solved: model, excitation, contacts, and which dofs are wanted.
+
+use std::sync::Arc;
+
+use contact::Law;
+
+use crate::model::Model;
+
+/// What the amplitude of an excitation means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ExcitationKind {
+    /// A force on one dof; amplitude in N.
+    #[default]
+    Force,
+    /// A base acceleration; amplitude in m/s²; acts as −M·1 on all dofs, whose displacements are relative to the base.
+    Base,
+    /// A rotating unbalance on one dof; amplitude in kg m, force amplitude · Ω².
+    Unbalance,
+}
+
+/// `amplitude · cos(harmonic · Ωt + phase)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excitation {
+    /// Excited dof; ignored for [`ExcitationKind::Base`].
+    pub dof: usize,
+    /// Harmonic of Ω; 0 is a static load.
+    pub harmonic: usize,
+    /// In the unit of its kind.
+    pub amplitude: f64,
+    /// In rad.
+    pub phase: f64,
+    /// Force, base or unbalance.
+    pub kind: ExcitationKind,
+}
+
+/// A contact between a dof and another or the ground. Its law acts on the relative displacement first − second.
+#[derive(Debug, Clone)]
+pub struct Contact {
+    /// For messages and results.
+    pub name: String,
+    /// Dof of the first body.
+    pub first: usize,
+    /// Dof of the second body; `None` is the ground.
+    pub second: Option<usize>,
+    /// The law.
+    pub law: Arc<dyn Law>,
+    /// Factor on the law's force (several pads, another normal load); positive.
+    pub scale: f64,
+}
+
+/// A mechanical model with contacts under periodic excitation.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// Mass, damping and stiffness.
+    pub model: Model,
+    /// All excitations; they add up.
+    pub excitation: Vec<Excitation>,
+    /// All contacts.
+    pub contacts: Vec<Contact>,
+    /// Dofs whose displacement is recovered, in this order.
+    pub output: Vec<usize>,
+}

@@ -1,0 +1,56 @@
+//! How a problem is to be solved.
+
+/// How the iteration at a frequency gets its start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Start {
+    /// From the point itself: all solutions of the first harmonic, then a ladder N = 1 → 3 → … Points do not depend
+    /// on their neighbours.
+    #[default]
+    Ladder,
+    /// From the previous frequency's solution, the paper's strategy (its Fig. 2). Sequential.
+    March,
+}
+
+/// Where the derivative of the contact forces comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Jacobian {
+    /// In closed form.
+    #[default]
+    Analytic,
+    /// By forward differences, for comparison.
+    Difference,
+}
+
+/// How a problem is to be solved; the defaults are what a user wants without asking.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// N: highest harmonic of the excitation's fundamental frequency.
+    pub harmonics: usize,
+    /// Samples a period for the contact forces, raised to a power of two; `None` chooses.
+    pub samples: Option<usize>,
+    /// How an iteration starts.
+    pub start: Start,
+    /// Where derivatives come from.
+    pub jacobian: Jacobian,
+    /// Also return the solutions that are not reported first, where they are known.
+    pub all_solutions: bool,
+    /// Residual, relative to the excitation, at which an iteration has converged.
+    pub tolerance: f64,
+    /// Newton steps allowed in one attempt.
+    pub max_iterations: usize,
+}
+
+impl Settings {
+    /// The defaults for N harmonics.
+    pub fn new(harmonics: usize) -> Self {
+        Self {
+            harmonics,
+            samples: None,
+            start: Start::default(),
+            jacobian: Jacobian::default(),
+            all_solutions: false,
+            tolerance: 1e-11,
+            max_iterations: 60,
+        }
+    }
+}

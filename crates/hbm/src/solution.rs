@@ -1,0 +1,142 @@
+//! The answer at one frequency.
+
+use std::fmt;
+
+use contact::{ContactState, LawError};
+use num_complex::Complex64;
+
+/// How a point ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Status {
+    /// The balance holds.
+    Converged,
+    /// Every contact with a holding force is held at w = 0; counts as solved.
+    Stuck,
+    /// No solution was found; the numbers of the point are not a solution.
+    Failed(FailureReason),
+}
+
+impl Status {
+    /// Converged or stuck.
+    pub fn solved(&self) -> bool {
+        !matches!(self, Self::Failed(_))
+    }
+}
+
+/// Why a point has no solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FailureReason {
+    /// Every start and every fallback was tried; the best residual is far from zero.
+    NotConverged,
+    /// The dynamic stiffness of the structure without contacts is singular at this harmonic: an undamped model at a
+    /// resonance, or a free rigid-body motion.
+    SingularStructure {
+        /// Harmonic of Ω.
+        harmonic: usize,
+    },
+    /// A contact law has no force for the motion.
+    Law(LawError),
+    /// The excitation is within what the contacts hold at some instants and beyond it at others, and no sliding
+    /// solution was found.
+    HoldingLimit,
+}
+
+impl fmt::Display for FailureReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotConverged => write!(f, "the iteration did not converge from any start"),
+            Self::SingularStructure { harmonic } => write!(
+                f,
+                "the dynamic stiffness is singular at harmonic {harmonic} (undamped resonance or free rigid-body \
+                 motion); add damping or support, or move the frequency"
+            ),
+            Self::Law(error) => error.fmt(f),
+            Self::HoldingLimit => write!(
+                f,
+                "no sliding motion was found, and the contacts cannot hold the excitation during the whole period"
+            ),
+        }
+    }
+}
+
+/// What one contact does at a solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSolution {
+    /// Half the range of the relative displacement, in m.
+    pub amplitude: f64,
+    /// Stick, slip, mixed or held.
+    pub state: ContactState,
+    /// Energy dissipated per period of the excitation, in J.
+    pub dissipation: f64,
+    /// Relative displacement first − second, one-sided amplitudes in m, one a harmonic of [`crate::Plan::orders`].
+    pub displacement: Vec<Complex64>,
+    /// Force on the first body, one-sided amplitudes in N, likewise.
+    pub force: Vec<Complex64>,
+    /// Turning points of the relative displacement in a period of the reduced problem.
+    pub turning_points: usize,
+    /// The amplitude left the range in which the law was measured.
+    pub extrapolated: bool,
+}
+
+/// What the solution took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Stats {
+    /// Newton steps, all attempts together.
+    pub iterations: usize,
+    /// Rungs of the ladder in N that were climbed.
+    pub rungs: usize,
+    /// Extra rungs after one failed.
+    pub extra_rungs: usize,
+    /// Homotopies in the contact force.
+    pub contact_homotopies: usize,
+    /// Homotopies in the excitation.
+    pub excitation_homotopies: usize,
+    /// Perturbed starts.
+    pub perturbed_starts: usize,
+}
+
+/// The answer at one frequency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// In Hz.
+    pub frequency: f64,
+    /// How it ended.
+    pub status: Status,
+    /// N of this solution.
+    pub harmonics: usize,
+    /// Residual relative to the excitation, at the solution.
+    pub residual: f64,
+    /// Relative residuals of the last attempt, first to last.
+    pub residual_history: Vec<f64>,
+    /// How many solutions exist, where that is known (one harmonic, one contact).
+    pub solutions: Option<usize>,
+    /// One-sided amplitudes in m: one row per output dof, one column per harmonic of [`crate::Plan::orders`]. Empty
+    /// when the point failed.
+    pub displacement: Vec<Vec<Complex64>>,
+    /// One entry a contact. Empty when the point failed.
+    pub contacts: Vec<ContactSolution>,
+    /// What it took.
+    pub stats: Stats,
+    /// The other solutions, where asked for.
+    pub others: Vec<Solution>,
+}
+
+/// One period of a solution in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Waveform {
+    /// Instants in s, beginning at 0 and covering one period of the excitation, its end left out.
+    pub time: Vec<f64>,
+    /// Displacement in m, one row per output dof.
+    pub displacement: Vec<Vec<f64>>,
+    /// One entry a contact.
+    pub contacts: Vec<WaveformContact>,
+}
+
+/// One contact over a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WaveformContact {
+    /// Relative displacement first − second in m.
+    pub displacement: Vec<f64>,
+    /// Force on the first body in N, as the law gives it at every instant (not its truncated series).
+    pub force: Vec<f64>,
+}
