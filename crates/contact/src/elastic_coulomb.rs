@@ -249,6 +249,11 @@ impl DescribingFunction for ElasticCoulomb {
         }
     }
 
+    fn marks(&self, a: f64) -> Marks {
+        let slips = a > self.slip_displacement();
+        Marks { extrapolated: false, state: if slips { ContactState::Mixed } else { ContactState::Stick } }
+    }
+
     fn landmark(&self) -> Option<f64> {
         Some(self.slip_displacement())
     }
