@@ -155,7 +155,7 @@ impl ScaledLoop {
     }
 
     /// Coefficients c_k with the given c_1; the same for derivatives, as σ is linear in c_1.
-    fn coefficients(&self, first: Complex64) -> impl Iterator<Item = Complex64> {
+    fn coefficients(&self, first: Complex64) -> impl Iterator<Item = Complex64> + Clone {
         self.shape.iter().enumerate().map(move |(k, shape)| if k == 1 { first } else { shape * first.im })
     }
 }
