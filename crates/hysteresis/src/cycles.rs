@@ -7,9 +7,9 @@ use crate::error::FitError;
 use crate::turning_points::TurningPoint;
 
 /// The steady part of a record.
-pub(crate) struct Steady<'a> {
+pub(crate) struct Steady {
     /// Its turning points.
-    pub points: &'a [TurningPoint],
+    pub points: Vec<TurningPoint>,
     /// Where the record before and after it is left to, by position: the neighbouring turning points.
     pub reach: (f64, f64),
     /// Branches left out before and after it.
@@ -17,14 +17,14 @@ pub(crate) struct Steady<'a> {
     /// Mean upper and lower displacement [m] at `centre`.
     upper: f64,
     lower: f64,
-    centre: f64,
+    pub centre: f64,
     /// Drift of the displacement [m per unit of position].
     pub drift: f64,
 }
 
-impl<'a> Steady<'a> {
+impl Steady {
     /// The longest run of branches whose heights agree within `tolerance` (relative, ±).
-    pub(crate) fn find(points: &'a [TurningPoint], tolerance: f64) -> Result<Self, FitError> {
+    pub(crate) fn find(points: &[TurningPoint], tolerance: f64) -> Result<Self, FitError> {
         let inside = points.iter().filter(|p| !p.at_edge).count();
         let heights: Vec<f64> = points
             .iter()
@@ -55,7 +55,7 @@ impl<'a> Steady<'a> {
         let after = points.get(run.end + 1).map_or(f64::INFINITY, position);
         let (upper, lower, centre, drift) = levels(taken);
         Ok(Self {
-            points: taken,
+            points: taken.to_vec(),
             reach: (before, after),
             skipped: (run.start, heights.len() - run.end),
             upper,
@@ -85,11 +85,18 @@ impl<'a> Steady<'a> {
         self.points.len() / 2
     }
 
-    /// Length of a cycle in units of position, where two turning points of a kind tell it.
+    /// Length of a cycle in units of position, where two turning points of a kind were seen from both sides: from the pair
+    /// that lies furthest apart.
     pub(crate) fn period(&self) -> Option<f64> {
-        let half_periods = (self.points.len().checked_sub(1)? / 2) * 2;
-        let (first, last) = (self.points.first()?, self.points.get(half_periods)?);
-        (half_periods > 0).then(|| 2.0 * (last.position - first.position) / half_periods as f64)
+        let whole = |upper: bool| {
+            let mut seen = self.points.iter().enumerate().filter(|(_, p)| p.upper == upper && !p.at_edge);
+            let (first, last) = (seen.next()?, seen.next_back()?);
+            let cycles = (last.0 - first.0) / 2;
+            Some((cycles, (last.1.position - first.1.position) / cycles as f64))
+        };
+        let (upper, lower) = (whole(true), whole(false));
+        let longer = if lower.map(|l| l.0) > upper.map(|u| u.0) { lower } else { upper };
+        longer.map(|(_, period)| period)
     }
 }
 
@@ -175,6 +182,7 @@ mod tests {
                 at_edge: false,
                 window: i..i + 1,
                 curvature: None,
+                uncertainty: 0.0,
             })
             .collect()
     }

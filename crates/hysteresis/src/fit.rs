@@ -34,7 +34,7 @@ pub struct FitSettings {
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { max_harmonics: 31, steady_tolerance: 0.03, significance: 3.0, closure_tolerance: 0.1 }
+        Self { max_harmonics: 31, steady_tolerance: 0.02, significance: 3.0, closure_tolerance: 0.1 }
     }
 }
 
@@ -151,9 +151,8 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
     let clock = record.time.as_ref().filter(increases);
     let position = clock.cloned().unwrap_or_else(|| (0..w.len()).map(|j| j as f64).collect());
 
-    let height = range(w);
-    let points = turning_points(&position, w, &extremes(w, REVERSAL * height), height);
-    let steady = Steady::find(&points, settings.steady_tolerance)?;
+    let (w, steady, drift_removed) = without_drift(&position, w, settings.steady_tolerance)?;
+    let w = &w;
     let amplitude = steady.amplitude();
     let mut phases = loop_phases(&position, w, f, &steady)?;
     check_coverage(&phases, &steady, range(f), settings)?;
@@ -210,20 +209,19 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
 
     let relative_noise = noise.scatter / hysteresis_loop.force_amplitude();
     let even_content = hysteresis_loop.even_content();
-    let displacement_drift = steady.drift * cycle;
+    let displacement_drift = (drift_removed + steady.drift) * cycle;
+    let height = 2.0 * amplitude;
     let mean_cycle = mean_cycle(&means, bins.max(256), amplitude, force_mean);
-    let direct_dissipation = direct_dissipation(&phases, w, f, steady.points, record.len());
+    let direct_dissipation = direct_dissipation(&phases, w, f, &steady.points, force_mean);
     let first_point = steady.points.first().map_or(0, |p| p.sample);
     let last_point = steady.points.last().map_or(0, |p| p.sample);
 
     if cycles == 1 && phases.branches.0.max(phases.branches.1) == 1 {
         notes.push(Note::SingleCycle);
     }
-    notes.extend(interior_reversals(
-        w.get(first_point..=last_point).unwrap_or(&[]),
-        steady.points.len(),
-        height,
-    ));
+    let part = first_point..last_point + 1;
+    let columns = (position.get(part.clone()).unwrap_or(&[]), w.get(part).unwrap_or(&[]));
+    notes.extend(interior_reversals(columns, steady.points.len(), height));
     let drifted = (displacement_drift * span / cycle / amplitude).abs();
     if drifted > 0.01 {
         notes.push(Note::DisplacementDrift { relative: drifted });
@@ -244,6 +242,11 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
         notes.push(Note::DissipationMismatch { direct: direct_dissipation, series: series_dissipation });
     }
 
+    let displaced = |mut point: TurningPoint| {
+        point.displacement += drift_removed * (point.position - steady.centre);
+        point
+    };
+    let turning_points = steady.points.iter().cloned().map(displaced).collect();
     Ok(Fit {
         hysteresis_loop,
         cycles,
@@ -257,11 +260,38 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
         displacement_drift,
         force_drift: drift * cycle,
         direct_dissipation,
-        turning_points: steady.points.to_vec(),
+        turning_points,
         steady_samples: first_point..last_point + 1,
         mean_cycle,
         notes,
     })
+}
+
+/// Finds the steady cycles and takes the drift they show off the displacement, which moves the turning points a little:
+/// until they stay. Returns the displacement, its steady part and the drift that was taken off [m per unit of position], about the
+/// centre of the steady part.
+fn without_drift(
+    position: &[f64],
+    displacement: &[f64],
+    tolerance: f64,
+) -> Result<(Vec<f64>, Steady, f64), FitError> {
+    let mut w = displacement.to_vec();
+    let mut removed = 0.0;
+    let mut passes = 0;
+    loop {
+        let height = range(&w);
+        let points = turning_points(position, &w, &extremes(&w, REVERSAL * height), height);
+        let steady = Steady::find(&points, tolerance)?;
+        let span = position.last().copied().unwrap_or(0.0) - position.first().copied().unwrap_or(0.0);
+        passes += 1;
+        if (steady.drift * span).abs() <= 1e-9 * height || passes > 3 {
+            return Ok((w, steady, removed));
+        }
+        removed += steady.drift;
+        for ((w, raw), u) in w.iter_mut().zip(displacement).zip(position) {
+            *w = raw - removed * (u - steady.centre);
+        }
+    }
 }
 
 /// Relative size below which a harmonic is rounding.
@@ -380,30 +410,29 @@ fn mean_cycle(means: &[Bin], points: usize, amplitude: f64, force_mean: f64) -> 
 }
 
 /// `∮ f dw` per cycle by the trapezoid rule: over the branches between turning points, or around the whole record where
-/// there is only one cycle.
+/// there is only one cycle. The mean force does no work over a closed cycle; without it a cycle that does not quite close
+/// does less harm.
 fn direct_dissipation(
     phases: &LoopPhases,
     displacement: &[f64],
     force: &[f64],
     points: &[TurningPoint],
-    samples: usize,
+    force_mean: f64,
 ) -> f64 {
+    let chord = |w0: &f64, w1: &f64, f0: &f64, f1: &f64| (0.5 * (f0 + f1) - force_mean) * (w1 - w0);
     let work = |range: Range<usize>| -> f64 {
         let w = displacement.get(range.clone()).unwrap_or(&[]);
         let f = force.get(range).unwrap_or(&[]);
-        w.iter()
-            .zip(w.iter().skip(1))
-            .zip(f.iter().zip(f.iter().skip(1)))
-            .map(|((w0, w1), (f0, f1))| 0.5 * (f0 + f1) * (w1 - w0))
-            .sum()
+        let (ends, starts) = (w.iter().skip(1).zip(f.iter().skip(1)), w.iter().zip(f));
+        starts.zip(ends).map(|((w0, f0), (w1, f1))| chord(w0, w1, f0, f1)).sum()
     };
     if phases.joined {
-        let ends = [displacement.last(), displacement.first(), force.last(), force.first()];
+        let ends = (displacement.last(), displacement.first(), force.last(), force.first());
         let closing = match ends {
-            [Some(w0), Some(w1), Some(f0), Some(f1)] => 0.5 * (f0 + f1) * (w1 - w0),
+            (Some(w0), Some(w1), Some(f0), Some(f1)) => chord(w0, w1, f0, f1),
             _ => 0.0,
         };
-        return work(0..samples) + closing;
+        return work(0..displacement.len()) + closing;
     }
     let mean = |upper: bool| {
         let pairs = points.iter().zip(points.iter().skip(1)).filter(|(a, _)| a.upper == upper);
@@ -415,8 +444,8 @@ fn direct_dissipation(
 }
 
 /// Reversals inside the steady part that are too large for noise.
-fn interior_reversals(displacement: &[f64], main: usize, height: f64) -> Option<Note> {
-    let threshold = (12.0 * sample_noise(displacement)).max(0.02 * height);
+fn interior_reversals((position, displacement): (&[f64], &[f64]), main: usize, height: f64) -> Option<Note> {
+    let threshold = (12.0 * sample_noise(position, displacement)).max(0.02 * height);
     let all = extremes(displacement, threshold);
     let count = all.len().saturating_sub(main);
     let levels: Vec<f64> = all.iter().filter_map(|(sample, _)| displacement.get(*sample).copied()).collect();
@@ -425,36 +454,34 @@ fn interior_reversals(displacement: &[f64], main: usize, height: f64) -> Option<
     (count > 0 && largest > 0.0).then_some(Note::InteriorReversals { count, largest })
 }
 
-/// A plateau at zero force: the displacement travelled while |f| is below a tenth of its half range, against what the
-/// parts just above and below it would make expect.
+/// A plateau in the middle of the force, in both directions: the displacement travelled in bands of a twentieth of the force's
+/// range has a peak there, and is at least a third smaller on both sides. (Without backlash the way a band takes grows all
+/// along a branch.)
 fn backlash(cycle: &MeanCycle) -> Option<Note> {
-    let half = 0.5 * range(&cycle.force);
-    let middle = 0.5
-        * (cycle.force.iter().copied().fold(f64::INFINITY, f64::min)
-            + cycle.force.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+    const BANDS: usize = 20;
+    let low = cycle.force.iter().copied().fold(f64::INFINITY, f64::min);
+    let band = range(&cycle.force) / BANDS as f64;
     let n = cycle.force.len();
     let next = |values: &[f64], j: usize| values.get((j + 1) % n).copied().unwrap_or(0.0);
-    let mut widths = Vec::new();
+    let mut width = 0.0;
     for unloading in [true, false] {
-        let (mut inside, mut above, mut below) = (0.0, 0.0, 0.0);
-        let columns = cycle.theta.iter().zip(&cycle.displacement).zip(&cycle.force).enumerate();
-        for (j, ((theta, w), f)) in columns {
-            if (*theta < PI) != unloading {
-                continue;
-            }
-            let force = (0.5 * (f + next(&cycle.force, j)) - middle) / half;
-            let way = (next(&cycle.displacement, j) - w).abs();
-            if force.abs() < 0.1 {
-                inside += way;
-            } else if (0.1..0.3).contains(&force) {
-                above += way;
-            } else if (-0.3..-0.1).contains(&force) {
-                below += way;
+        let mut ways = [0.0; BANDS];
+        for (j, ((theta, w), f)) in cycle.theta.iter().zip(&cycle.displacement).zip(&cycle.force).enumerate()
+        {
+            let force = 0.5 * (f + next(&cycle.force, j));
+            let way = ways.get_mut(((force - low) / band) as usize);
+            if let Some(way) = way.filter(|_| (*theta < PI) == unloading) {
+                *way += (next(&cycle.displacement, j) - w).abs();
             }
         }
-        if inside > 1.5 * f64::max(above, below) {
-            widths.push(inside - 0.5 * (above + below));
+        let way = |i: usize| ways.get(i).copied().unwrap_or(0.0);
+        let peak = (7..13).max_by(|&i, &j| way(i).total_cmp(&way(j))).unwrap_or(0);
+        let (above, below) = (0.5 * (way(peak + 3) + way(peak + 4)), 0.5 * (way(peak - 3) + way(peak - 4)));
+        if way(peak) < 1.5 * f64::max(above, below) {
+            return None;
         }
+        let around: f64 = (peak - 1..=peak + 1).map(way).sum();
+        width += 0.5 * (around - 1.5 * (above + below));
     }
-    (widths.len() == 2).then(|| Note::Backlash { width: 0.5 * widths.iter().sum::<f64>() })
+    Some(Note::Backlash { width })
 }

@@ -1,7 +1,5 @@
 //! How noisy a record is: scatter of its samples, and what of it reaches every harmonic.
 
-use std::f64::consts::{FRAC_PI_2, PI};
-
 use num_complex::Complex64;
 
 use crate::average::{Bin, Polygon};
@@ -41,7 +39,8 @@ pub(crate) fn measure(phases: &LoopPhases, means: &[Bin], series: &[Complex64]) 
         // White noise of variance s² in n samples of one cycle: E|F_k|² = 4 s²/n.
         vec![(4.0 * square / n).sqrt(); series.len()]
     };
-    Noise { scatter: square.sqrt(), harmonics, sliding_ratio: sliding_ratio(phases, series) }
+    let middle = series.first().map_or(0.0, |mean| mean.re);
+    Noise { scatter: square.sqrt(), harmonics, sliding_ratio: sliding_ratio(phases, means, middle) }
 }
 
 /// Standard error of every harmonic from how much the branches of a direction differ.
@@ -87,15 +86,18 @@ fn repeatability(phases: &LoopPhases, series: &[Complex64]) -> Vec<f64> {
         .collect()
 }
 
-/// Scatter on the second half of every branch, where the contact mostly slides, over that on the first.
-fn sliding_ratio(phases: &LoopPhases, series: &[Complex64]) -> Option<f64> {
+/// Scatter where the contact slides, over that where it sticks: sliding is told by the force, which is then more than half of its
+/// largest.
+fn sliding_ratio(phases: &LoopPhases, means: &[Bin], middle: f64) -> Option<f64> {
+    let mean = Polygon::through(means);
+    let largest = means.iter().map(|bin| (bin.value - middle).abs()).fold(0.0, f64::max);
     let (mut sliding, mut sticking) = ((0.0, 0.0), (0.0, 0.0));
     for sample in &phases.samples {
-        let since_tip = sample.theta % PI;
-        let part = if since_tip > FRAC_PI_2 { &mut sliding } else { &mut sticking };
-        part.0 += (sample.force - evaluate(series, sample.theta)).powi(2);
+        let force = mean.value(sample.theta);
+        let part = if (force - middle).abs() > 0.5 * largest { &mut sliding } else { &mut sticking };
+        part.0 += (sample.force - force).powi(2);
         part.1 += 1.0;
     }
-    let mean = |(sum, count): (f64, f64)| (count > 100.0).then_some(sum / count);
-    Some((mean(sliding)? / mean(sticking)?).sqrt()).filter(|ratio| ratio.is_finite())
+    let square = |(sum, count): (f64, f64)| (count > 50.0).then_some(sum / count);
+    Some((square(sliding)? / square(sticking)?).sqrt()).filter(|ratio| ratio.is_finite())
 }

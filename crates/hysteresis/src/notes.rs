@@ -58,11 +58,11 @@ pub enum Note {
         /// Width of the plateau [m], mean of both directions.
         width: f64,
     },
-    /// The force scatters on the sliding part of the branches much more than elsewhere.
+    /// The force scatters much more where the contact slides than where the force passes through zero.
     Chatter {
         /// Scatter relative to |F_1|.
         noise: f64,
-        /// How many times larger the scatter is there.
+        /// How many times larger the scatter is while sliding.
         ratio: f64,
     },
     /// The area of the raw curve and of the series differ.
@@ -119,7 +119,7 @@ impl fmt::Display for Note {
             ),
             Self::Chatter { noise, ratio } => write!(
                 f,
-                "the force scatters by {:.1} % of its first harmonic, {ratio:.1} times as much while sliding as after the turning points: \
+                "the force scatters by {:.1} % of its first harmonic, {ratio:.1} times as much while sliding as where it passes through zero: \
                  stick-slip chatter, averaged out of the series",
                 100.0 * noise
             ),

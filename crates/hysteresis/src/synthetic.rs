@@ -233,7 +233,7 @@ impl DirtyRecord {
 }
 
 /// A normally distributed number of standard deviation 1 (Box and Muller).
-fn normal(rng: &mut impl Rng) -> f64 {
+pub(crate) fn normal(rng: &mut impl Rng) -> f64 {
     let radius: f64 = 1.0 - rng.random_range(0.0..1.0);
     (-2.0 * radius.ln()).sqrt() * (TAU * rng.random_range(0.0..1.0)).cos()
 }
