@@ -75,8 +75,8 @@ pub struct Fit {
     pub hysteresis_loop: Loop,
     /// Number of steady cycles: pairs of an upper and a lower steady turning point.
     pub cycles: usize,
-    /// Number of complete unloading and of loading branches that were averaged. A direction that was only measured in
-    /// pieces, at the ends of the record, counts these.
+    /// Number of complete unloading and of loading branches that were averaged. A direction of which there are only
+    /// pieces, at the ends of the record, counts as one.
     pub branches: (usize, usize),
     /// Period of the steady cycles [s], where the record has times and more than one turning point of a kind.
     pub period: Option<f64>,
@@ -216,7 +216,7 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
     let first_point = steady.points.first().map_or(0, |p| p.sample);
     let last_point = steady.points.last().map_or(0, |p| p.sample);
 
-    if cycles == 1 && phases.branches.0.max(phases.branches.1) == 1 {
+    if phases.branches == (1, 1) {
         notes.push(Note::SingleCycle);
     }
     let part = first_point..last_point + 1;

@@ -89,7 +89,10 @@ pub(crate) fn loop_phases(
             return;
         }
         let counter = if loading { &mut phases.branches.1 } else { &mut phases.branches.0 };
-        *counter += 1;
+        // All pieces of a direction are one branch.
+        if whole || *counter == 0 {
+            *counter += 1;
+        }
         phases.joined |= !whole;
         let branch = phases.branches.0 + phases.branches.1 - 1;
         let half = 0.5 * (from.displacement - to.displacement).abs();
