@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 /// The mean of the samples that fell into one narrow range of loop phase.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Bin {
-    /// Their mean loop phase [rad].
+    /// Their mean loop phase \[rad\].
     pub theta: f64,
     /// Their mean value.
     pub value: f64,

@@ -14,11 +14,11 @@ pub(crate) struct Steady {
     pub reach: (f64, f64),
     /// Branches left out before and after it.
     pub skipped: (usize, usize),
-    /// Mean upper and lower displacement [m] at `centre`.
+    /// Mean upper and lower displacement \[m\] at `centre`.
     upper: f64,
     lower: f64,
     pub centre: f64,
-    /// Drift of the displacement [m per unit of position].
+    /// Drift of the displacement \[m per unit of position\].
     pub drift: f64,
 }
 
@@ -65,17 +65,17 @@ impl Steady {
         })
     }
 
-    /// Displacement amplitude [m]: half the range between the turning points of the averaged cycle.
+    /// Displacement amplitude \[m\]: half the range between the turning points of the averaged cycle.
     pub(crate) fn amplitude(&self) -> f64 {
         0.5 * (self.upper - self.lower)
     }
 
-    /// Mean of upper and lower turning points [m].
+    /// Mean of upper and lower turning points \[m\].
     pub(crate) fn middle(&self) -> f64 {
         0.5 * (self.upper + self.lower)
     }
 
-    /// Displacement [m] where a turning point at `position` would be expected.
+    /// Displacement \[m\] where a turning point at `position` would be expected.
     pub(crate) fn level(&self, upper: bool, position: f64) -> f64 {
         (if upper { self.upper } else { self.lower }) + self.drift * (position - self.centre)
     }

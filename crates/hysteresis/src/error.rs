@@ -230,7 +230,7 @@ pub enum FitError {
     Constant {
         /// Which quantity.
         quantity: Quantity,
-        /// Its value [m or N].
+        /// Its value \[m or N\].
         value: f64,
     },
     /// The curve does not close.
@@ -249,7 +249,7 @@ pub enum FitError {
     NotSteady {
         /// The half heights in micrometres, in order.
         heights: String,
-        /// The tolerance [%].
+        /// The tolerance \[%\].
         tolerance: f64,
     },
     /// The loop runs the wrong way round.
@@ -258,7 +258,7 @@ pub enum FitError {
          or displacement and force are swapped. Turn its sign with --flip-force (\"force_sign\": -1 in a scene)"
     )]
     AgainstMotion {
-        /// `∮ f dw` of the steady cycle [J], negative.
+        /// `∮ f dw` of the steady cycle \[J\], negative.
         work: f64,
     },
     /// The curve encloses no area.
@@ -267,9 +267,9 @@ pub enum FitError {
          This is a spring, or friction lost in noise"
     )]
     NoArea {
-        /// `∮ f dw` [J].
+        /// `∮ f dw` \[J\].
         work: f64,
-        /// What noise can make of it [J].
+        /// What noise can make of it \[J\].
         uncertainty: f64,
     },
     /// A setting makes no sense.
@@ -309,9 +309,9 @@ pub enum LoopError {
          energy out. A measured loop needs a positive one: turn the sign of the force"
     )]
     CreatesEnergy {
-        /// Im F_1 [N].
+        /// Im F_1 \[N\].
         imaginary: f64,
-        /// π a Im F_1 [J].
+        /// π a Im F_1 \[J\].
         dissipation: f64,
     },
 }

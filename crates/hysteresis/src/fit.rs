@@ -60,11 +60,11 @@ impl FitSettings {
 /// The averaged steady cycle on a uniform grid of loop phase, closed implicitly (2π is not repeated).
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeanCycle {
-    /// Loop phase [rad], from 0 below 2π: unloading up to π, loading from there.
+    /// Loop phase \[rad\], from 0 below 2π: unloading up to π, loading from there.
     pub theta: Vec<f64>,
-    /// Displacement `a cos θ` [m], without offset.
+    /// Displacement `a cos θ` \[m\], without offset.
     pub displacement: Vec<f64>,
-    /// Force [N], without offset.
+    /// Force \[N\], without offset.
     pub force: Vec<f64>,
 }
 
@@ -78,25 +78,25 @@ pub struct Fit {
     /// Number of complete unloading and of loading branches that were averaged. A direction of which there are only
     /// pieces, at the ends of the record, counts as one.
     pub branches: (usize, usize),
-    /// Period of the steady cycles [s], where the record has times and more than one turning point of a kind.
+    /// Period of the steady cycles \[s\], where the record has times and more than one turning point of a kind.
     pub period: Option<f64>,
     /// Scatter of the force about the mean cycle, root mean square over the samples, relative to |F_1| \[-\]. For a
     /// single cycle: what the series of all harmonics that the sampling determines does not explain.
     pub noise: f64,
     /// Even content of the loop relative to |F_1| \[-\]; see [`Loop::even_content`].
     pub even_content: f64,
-    /// Standard error of every harmonic looked at [N] (of its complex amplitude: root of the expected squared
+    /// Standard error of every harmonic looked at \[N\] (of its complex amplitude: root of the expected squared
     /// error); the index is the harmonic.
     pub harmonic_noise: Vec<f64>,
-    /// Mean force over loop phase [N]; removed from the loop, since a rig's zero is arbitrary.
+    /// Mean force over loop phase \[N\]; removed from the loop, since a rig's zero is arbitrary.
     pub force_mean: f64,
-    /// Mean of the steady turning points [m]; removed.
+    /// Mean of the steady turning points \[m\]; removed.
     pub displacement_mean: f64,
-    /// Drift of the displacement [m per cycle]; removed.
+    /// Drift of the displacement \[m per cycle\]; removed.
     pub displacement_drift: f64,
-    /// Drift of the force [N per cycle]; removed.
+    /// Drift of the force \[N per cycle\]; removed.
     pub force_drift: f64,
-    /// `∮ f dw` [J per cycle] by the trapezoid rule over the raw samples of the steady branches; to be compared
+    /// `∮ f dw` \[J per cycle\] by the trapezoid rule over the raw samples of the steady branches; to be compared
     /// with [`Loop::dissipation`].
     pub direct_dissipation: f64,
     /// The steady turning points, in order.
@@ -130,7 +130,7 @@ const SYMMETRIC: f64 = 0.02;
 const REVERSAL: f64 = 0.25;
 /// Fewest samples that can make a cycle.
 const FEWEST: usize = 8;
-/// Largest step in loop phase [rad] without a sample.
+/// Largest step in loop phase \[rad\] without a sample.
 const GAP: f64 = 0.6;
 
 /// Fits the Fourier series over loop phase to a record (Hoffmann et al. 2017, section 3).
@@ -268,30 +268,57 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
 }
 
 /// Finds the steady cycles and takes the drift they show off the displacement, which moves the turning points a little:
-/// until they stay. Returns the displacement, its steady part and the drift that was taken off [m per unit of position], about the
+/// until they stay. Returns the displacement, its steady part and the drift that was taken off \[m per unit of position\], about the
 /// centre of the steady part.
 fn without_drift(
     position: &[f64],
     displacement: &[f64],
     tolerance: f64,
 ) -> Result<(Vec<f64>, Steady, f64), FitError> {
+    let span = position.last().copied().unwrap_or(0.0) - position.first().copied().unwrap_or(0.0);
     let mut w = displacement.to_vec();
-    let mut removed = 0.0;
-    let mut passes = 0;
+    let (mut removed, mut centre) = (0.0, 0.0);
+    let mut pass = 0;
     loop {
         let height = range(&w);
         let points = turning_points(position, &w, &extremes(&w, REVERSAL * height), height);
-        let steady = Steady::find(&points, tolerance)?;
-        let span = position.last().copied().unwrap_or(0.0) - position.first().copied().unwrap_or(0.0);
-        passes += 1;
-        if (steady.drift * span).abs() <= 1e-9 * height || passes > 3 {
-            return Ok((w, steady, removed));
-        }
-        removed += steady.drift;
+        // Strong drift makes the branches of one direction longer than those of the other: it goes first.
+        let drift = match common_drift(&points).filter(|_| pass == 0) {
+            Some(drift) => drift,
+            None => {
+                let steady = Steady::find(&points, tolerance)?;
+                if (steady.drift * span).abs() <= 1e-9 * height || pass > 3 {
+                    return Ok((w, steady, removed));
+                }
+                centre = steady.centre;
+                steady.drift
+            }
+        };
+        pass += 1;
+        removed += drift;
         for ((w, raw), u) in w.iter_mut().zip(displacement).zip(position) {
-            *w = raw - removed * (u - steady.centre);
+            *w = raw - removed * (u - centre);
         }
     }
+}
+
+/// The drift from one turning point to the next of its kind \[m per unit of position\], where upper and lower ones agree
+/// on it as they do in drift but not in run-up: their median, if most are within a tenth of it.
+fn common_drift(points: &[TurningPoint]) -> Option<f64> {
+    let seen: Vec<&TurningPoint> = points.iter().filter(|p| !p.at_edge).collect();
+    let slope = |(a, b): (&&TurningPoint, &&TurningPoint)| {
+        (b.displacement - a.displacement) / (b.position - a.position)
+    };
+    let slopes: Vec<f64> = seen.iter().zip(seen.iter().skip(2)).map(slope).collect();
+    let drift = median(slopes.iter().copied())?;
+    let spread = median(slopes.iter().map(|slope| (slope - drift).abs()))?;
+    (slopes.len() >= 3 && spread < 0.1 * drift.abs()).then_some(drift)
+}
+
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 /// Relative size below which a harmonic is rounding.
@@ -375,7 +402,7 @@ fn check_coverage(
     Ok(())
 }
 
-/// Drift of the force [N per unit of position], from samples at the same loop phase in different cycles: least squares
+/// Drift of the force \[N per unit of position\], from samples at the same loop phase in different cycles: least squares
 /// with a mean of its own for every bin. Zero where no bin was passed twice.
 fn force_drift(phases: &LoopPhases, bins: usize) -> f64 {
     if phases.branches.0.min(phases.branches.1) < 2 {
@@ -456,7 +483,7 @@ fn interior_reversals((position, displacement): (&[f64], &[f64]), main: usize, h
 
 /// A plateau in the middle of the force, in both directions: the displacement travelled in bands of a twentieth of the force's
 /// range has a peak there, and is at least a third smaller on both sides. (Without backlash the way a band takes grows all
-/// along a branch.)
+/// along a branch.) Less than 3 % of the amplitude is not told from noise.
 fn backlash(cycle: &MeanCycle) -> Option<Note> {
     const BANDS: usize = 20;
     let low = cycle.force.iter().copied().fold(f64::INFINITY, f64::min);
@@ -483,5 +510,5 @@ fn backlash(cycle: &MeanCycle) -> Option<Note> {
         let around: f64 = (peak - 1..=peak + 1).map(way).sum();
         width += 0.5 * (around - 1.5 * (above + below));
     }
-    Some(Note::Backlash { width })
+    (width > 0.03 * range(&cycle.displacement) / 2.0).then_some(Note::Backlash { width })
 }

@@ -15,9 +15,9 @@ use crate::turning_points::TurningPoint;
 pub(crate) struct PhasedSample {
     /// Loop phase in [0, 2π]: unloading up to π, loading above.
     pub theta: f64,
-    /// Time [s] or sample number.
+    /// Time \[s\] or sample number.
     pub position: f64,
-    /// Force [N].
+    /// Force \[N\].
     pub force: f64,
     /// Number of its branch among those of the steady part.
     pub branch: usize,
@@ -53,7 +53,7 @@ impl Tip {
         Self { position: point.position, displacement, parabola }
     }
 
-    /// Distance of a sample from this tip [m], along the motion.
+    /// Distance of a sample from this tip \[m\], along the motion.
     fn distance(&self, sample: usize, position: f64, displacement: f64) -> f64 {
         match &self.parabola {
             Some((window, curvature)) if window.contains(&sample) => {
@@ -147,7 +147,7 @@ pub(crate) fn loop_phases(
     Ok(phases)
 }
 
-/// Largest step between neighbouring loop phases, around the circle: its start and its width [rad].
+/// Largest step between neighbouring loop phases, around the circle: its start and its width \[rad\].
 pub(crate) fn largest_gap(mut thetas: Vec<f64>) -> (f64, f64) {
     thetas.sort_by(f64::total_cmp);
     let (Some(&first), Some(&last)) = (thetas.first(), thetas.last()) else { return (0.0, TAU) };

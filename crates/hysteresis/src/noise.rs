@@ -8,9 +8,9 @@ use crate::loop_phase::LoopPhases;
 
 /// Noise of a record about its mean cycle.
 pub(crate) struct Noise {
-    /// Root mean square of the force's scatter [N].
+    /// Root mean square of the force's scatter \[N\].
     pub scatter: f64,
-    /// Standard error of every harmonic's complex amplitude [N], from harmonic 0 on.
+    /// Standard error of every harmonic's complex amplitude \[N\], from harmonic 0 on.
     pub harmonics: Vec<f64>,
     /// Scatter where the contact slides over that where it sticks; none when too few samples tell.
     pub sliding_ratio: Option<f64>,

@@ -1,5 +1,7 @@
 //! Dirty records of loops that are known exactly: the fit must find them within what the dirt allows.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 use std::f64::consts::PI;
 
 use hysteresis::synthetic::{self, DirtyRecord, Drive};
@@ -43,6 +45,32 @@ fn the_dahl_loop_has_the_area_of_its_closed_form() {
     let area = 4.0 * slip_force * (inner - slip_way * (inner / slip_way).tanh());
     let backlash = synthetic::backlash_loop(a, slip_force, stiffness, gap, 63).unwrap();
     assert!((backlash.dissipation() / area - 1.0).abs() < 1e-5, "{} {area}", backlash.dissipation());
+}
+
+#[test]
+fn an_elastic_coulomb_loop_has_the_describing_function_of_its_closed_form() {
+    let (amplitude, stiffness, slip_force) = (8e-6, 6e6, 12.0);
+    let slip_way: f64 = slip_force / stiffness;
+    let turn = (1.0 - 2.0 * slip_way / amplitude).acos();
+    let in_phase = stiffness * amplitude / PI * (turn - 0.5 * (2.0 * turn).sin());
+    let quadrature = 4.0 * slip_force / PI * (1.0 - slip_way / amplitude);
+    // From rest, without run-up: the first quarter cycle is not on the loop.
+    let (mut slider, mut last) = (0.0, 0.0);
+    let samples = 1000;
+    let (mut w, mut f) = (Vec::new(), Vec::new());
+    for j in 0..6 * samples {
+        let displacement = amplitude * (2.0 * PI * f64::from(j) / f64::from(samples)).sin();
+        slider = f64::clamp(slider + stiffness * (displacement - last), -slip_force, slip_force);
+        last = displacement;
+        w.push(displacement);
+        f.push(slider);
+    }
+    let found = fitted(&Record::new(None, w, f).unwrap());
+    let first = found.hysteresis_loop.coefficients()[1];
+    // The kinks lie anywhere between two samples: (π/1000)² of the jump in slope, about stiffness × amplitude.
+    let error = (first - Complex64::new(in_phase, quadrature)).norm();
+    assert!(error < (PI / 1000.0).powi(2) * stiffness * amplitude, "{error}");
+    assert!(found.is_symmetric() && found.cycles == 6);
 }
 
 #[test]
@@ -178,6 +206,37 @@ fn offsets_and_drifts_are_removed_and_reported() {
     assert!(found.notes.iter().any(|note| matches!(note, Note::DisplacementDrift { .. })));
     assert!(found.notes.iter().any(|note| matches!(note, Note::ForceDrift { .. })));
     assert!(harmonics < 1e-6 && amplitude < 3e-8, "{harmonics:e} {amplitude:e}");
+}
+
+#[test]
+fn strong_drift_is_no_run_up() {
+    let dirty = DirtyRecord { displacement_drift: 0.5, ..DirtyRecord::steady_only(truth(), 8, 0.1) };
+    let found = fitted(&dirty.generate());
+    let (harmonics, amplitude) = errors(&found, &truth());
+    assert_eq!(found.cycles, 8);
+    assert!(harmonics < 1e-6 && amplitude < 3e-8, "{harmonics:e} {amplitude:e}");
+}
+
+#[test]
+fn a_dwell_at_the_turning_points_does_no_harm() {
+    let mut record =
+        DirtyRecord { displacement_noise: 1e-3, ..DirtyRecord::steady_only(truth(), 4, 0.1) }.generate();
+    let clock: Vec<f64> = (0..record.len() + 9 * 100).map(|j| j as f64 / 356.0).collect();
+    for column in [&mut record.displacement, &mut record.force] {
+        // Sample 77 + 256 n is nearest to a tip; hold it for 100 samples.
+        let held = |(j, x): (usize, &f64)| {
+            let times = if j % 256 == 77 { 100 } else { 1 };
+            std::iter::repeat_n(*x, times)
+        };
+        *column = column.iter().enumerate().flat_map(held).collect();
+    }
+    let time = clock.iter().copied().take(record.displacement.len()).collect();
+    let found = fitted(&Record::new(Some(time), record.displacement, record.force).unwrap());
+    let (harmonics, amplitude) = errors(&found, &truth());
+    assert_eq!(found.cycles, 4);
+    assert!((found.period.unwrap() - 2.0).abs() < 0.02, "{:?}", found.period);
+    println!("{harmonics:e} {amplitude:e}");
+    assert!(harmonics < 0.02 && amplitude < 3e-3, "{harmonics:e} {amplitude:e} {:?}", found.notes);
 }
 
 #[test]

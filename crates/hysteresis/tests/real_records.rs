@@ -3,6 +3,8 @@
 //! Their licence keeps them out of this tree. The folder is named by `STICKSLIP_LOOPS`, or lies beside the
 //! workspace as `../shared/loops`; without it these tests say so and pass.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 use std::path::{Path, PathBuf};
 
 use hysteresis::{Fit, FitSettings, Note, ReadOptions, Record, fit};

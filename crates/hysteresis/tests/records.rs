@@ -1,5 +1,7 @@
 //! Reading records: every form a file may have, and what is said about one that cannot be read.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 use hysteresis::{
     Column, Columns, ForceSign, ForceUnit, LengthUnit, ReadOptions, Record, RecordError, TimeUnit, Units,
 };
