@@ -18,8 +18,8 @@ pub(crate) fn bin_of(theta: f64, bins: usize) -> usize {
     ((theta / TAU * bins as f64) as usize).min(bins - 1)
 }
 
-/// Averages `(theta, value)` pairs over `bins` equal bins of the circle; empty bins are left out. The means are in
-/// the order of θ.
+/// Averages `(theta, value)` pairs over `bins` equal bins of the circle; empty bins are left out. The means
+/// are in the order of θ.
 pub(crate) fn bin_means(samples: impl Iterator<Item = (f64, f64)>, bins: usize) -> Vec<Bin> {
     let mut sums = vec![Bin::default(); bins];
     for (theta, value) in samples {

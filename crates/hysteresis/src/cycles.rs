@@ -85,8 +85,8 @@ impl Steady {
         self.points.len() / 2
     }
 
-    /// Length of a cycle in units of position, where two turning points of a kind were seen from both sides: from the pair
-    /// that lies furthest apart.
+    /// Length of a cycle in units of position, where two turning points of a kind were seen from both
+    /// sides: from the pair that lies furthest apart.
     pub(crate) fn period(&self) -> Option<f64> {
         let whole = |upper: bool| {
             let mut seen = self.points.iter().enumerate().filter(|(_, p)| p.upper == upper && !p.at_edge);
@@ -100,8 +100,8 @@ impl Steady {
     }
 }
 
-/// The longest range of `values` in which the largest is within `±tolerance` of the smallest; among equally long ones
-/// the one of larger values. One pass with the window's largest and smallest in monotone queues.
+/// The longest range of `values` in which the largest is within `±tolerance` of the smallest; among equally
+/// long ones the one of larger values. One pass with the window's largest and smallest in monotone queues.
 fn longest_run(values: &[f64], tolerance: f64) -> Range<usize> {
     let mut best = 0..0;
     let mut best_sum = 0.0;
@@ -138,7 +138,8 @@ fn longest_run(values: &[f64], tolerance: f64) -> Range<usize> {
     best
 }
 
-/// Upper and lower level at their common centre, and the drift that upper and lower points share: least squares.
+/// Upper and lower level at their common centre, and the drift that upper and lower points share: least
+/// squares.
 fn levels(points: &[TurningPoint]) -> (f64, f64, f64, f64) {
     let of_kind = |upper: bool| -> Vec<&TurningPoint> {
         let kind = || points.iter().filter(move |p| p.upper == upper);

@@ -25,10 +25,11 @@ pub struct FitSettings {
     pub max_harmonics: usize,
     /// Cycles count as steady while their amplitudes agree within this, relative (±), above 0 and below 1.
     pub steady_tolerance: f64,
-    /// A harmonic is kept when it is this many times its standard error, not negative. Noise alone passes with a
-    /// probability of `e^{−significance²}`.
+    /// A harmonic is kept when it is this many times its standard error, not negative. Noise alone passes
+    /// with a probability of `e^{−significance²}`.
     pub significance: f64,
-    /// Largest gap in force at which a single cycle still counts as closed, relative to the force's range, positive.
+    /// Largest gap in force at which a single cycle still counts as closed, relative to the force's range,
+    /// positive.
     pub closure_tolerance: f64,
 }
 
@@ -75,18 +76,20 @@ pub struct Fit {
     pub hysteresis_loop: Loop,
     /// Number of steady cycles: pairs of an upper and a lower steady turning point.
     pub cycles: usize,
-    /// Number of complete unloading and of loading branches that were averaged. A direction of which there are only
-    /// pieces, at the ends of the record, counts as one.
+    /// Number of complete unloading and of loading branches that were averaged. A direction of which there
+    /// are only pieces, at the ends of the record, counts as one.
     pub branches: (usize, usize),
-    /// Period of the steady cycles \[s\], where the record has times and more than one turning point of a kind.
+    /// Period of the steady cycles \[s\], where the record has times and more than one turning point of a
+    /// kind.
     pub period: Option<f64>,
-    /// Scatter of the force about the mean cycle, root mean square over the samples, relative to |F_1| \[-\]. For a
-    /// single cycle: what the series of all harmonics that the sampling determines does not explain.
+    /// Scatter of the force about the mean cycle, root mean square over the samples, relative to |F_1|
+    /// \[-\]. For a single cycle: what the series of all harmonics that the sampling determines does not
+    /// explain.
     pub noise: f64,
     /// Even content of the loop relative to |F_1| \[-\]; see [`Loop::even_content`].
     pub even_content: f64,
-    /// Standard error of every harmonic looked at \[N\] (of its complex amplitude: root of the expected squared
-    /// error); the index is the harmonic.
+    /// Standard error of every harmonic looked at \[N\] (of its complex amplitude: root of the expected
+    /// squared error); the index is the harmonic.
     pub harmonic_noise: Vec<f64>,
     /// Mean force over loop phase \[N\]; removed from the loop, since a rig's zero is arbitrary.
     pub force_mean: f64,
@@ -96,8 +99,8 @@ pub struct Fit {
     pub displacement_drift: f64,
     /// Drift of the force \[N per cycle\]; removed.
     pub force_drift: f64,
-    /// `∮ f dw` \[J per cycle\] by the trapezoid rule over the raw samples of the steady branches; to be compared
-    /// with [`Loop::dissipation`].
+    /// `∮ f dw` \[J per cycle\] by the trapezoid rule over the raw samples of the steady branches; to be
+    /// compared with [`Loop::dissipation`].
     pub direct_dissipation: f64,
     /// The steady turning points, in order.
     pub turning_points: Vec<TurningPoint>,
@@ -136,13 +139,13 @@ const GAP: f64 = 0.6;
 /// Fits the Fourier series over loop phase to a record (Hoffmann et al. 2017, section 3).
 ///
 /// Turning points are placed between the samples, the steady cycles found, and every sample of their branches
-/// gets its loop phase; offset and drift go. The samples are averaged over loop phase and the series fitted by FFT,
-/// corrected until the spacing of the samples no longer matters. The harmonics that do not rise above the
-/// noise are dropped.
+/// gets its loop phase; offset and drift go. The samples are averaged over loop phase and the series fitted
+/// by FFT, corrected until the spacing of the samples no longer matters. The harmonics that do not rise
+/// above the noise are dropped.
 ///
 /// # Errors
-/// When the record is no loop: too few samples, a constant, numbers that are not finite, an open curve, no steady cycle, no area,
-/// or a force against the motion. The message says what to try.
+/// When the record is no loop: too few samples, a constant, numbers that are not finite, an open curve, no
+/// steady cycle, no area, or a force against the motion. The message says what to try.
 pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
     settings.check()?;
     check_samples(record)?;
@@ -267,9 +270,9 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
     })
 }
 
-/// Finds the steady cycles and takes the drift they show off the displacement, which moves the turning points a little:
-/// until they stay. Returns the displacement, its steady part and the drift that was taken off \[m per unit of position\], about the
-/// centre of the steady part.
+/// Finds the steady cycles and takes the drift they show off the displacement, which moves the turning
+/// points a little: until they stay. Returns the displacement, its steady part and the drift that was taken
+/// off \[m per unit of position\], about the centre of the steady part.
 fn without_drift(
     position: &[f64],
     displacement: &[f64],
@@ -302,8 +305,9 @@ fn without_drift(
     }
 }
 
-/// The drift from one turning point to the next of its kind \[m per unit of position\], where upper and lower ones agree
-/// on it as they do in drift but not in run-up: their median, if most are within a tenth of it.
+/// The drift from one turning point to the next of its kind \[m per unit of position\], where upper and
+/// lower ones agree on it as they do in drift but not in run-up: their median, if most are within a tenth
+/// of it.
 fn common_drift(points: &[TurningPoint]) -> Option<f64> {
     let seen: Vec<&TurningPoint> = points.iter().filter(|p| !p.at_edge).collect();
     let slope = |(a, b): (&&TurningPoint, &&TurningPoint)| {
@@ -402,8 +406,8 @@ fn check_coverage(
     Ok(())
 }
 
-/// Drift of the force \[N per unit of position\], from samples at the same loop phase in different cycles: least squares
-/// with a mean of its own for every bin. Zero where no bin was passed twice.
+/// Drift of the force \[N per unit of position\], from samples at the same loop phase in different cycles:
+/// least squares with a mean of its own for every bin. Zero where no bin was passed twice.
 fn force_drift(phases: &LoopPhases, bins: usize) -> f64 {
     if phases.branches.0.min(phases.branches.1) < 2 {
         return 0.0;
@@ -436,9 +440,9 @@ fn mean_cycle(means: &[Bin], points: usize, amplitude: f64, force_mean: f64) -> 
     }
 }
 
-/// `∮ f dw` per cycle by the trapezoid rule: over the branches between turning points, or around the whole record where
-/// there is only one cycle. The mean force does no work over a closed cycle; without it a cycle that does not quite close
-/// does less harm.
+/// `∮ f dw` per cycle by the trapezoid rule: over the branches between turning points, or around the whole
+/// record where there is only one cycle. The mean force does no work over a closed cycle; without it a
+/// cycle that does not quite close does less harm.
 fn direct_dissipation(
     phases: &LoopPhases,
     displacement: &[f64],
@@ -481,9 +485,10 @@ fn interior_reversals((position, displacement): (&[f64], &[f64]), main: usize, h
     (count > 0 && largest > 0.0).then_some(Note::InteriorReversals { count, largest })
 }
 
-/// A plateau in the middle of the force, in both directions: the displacement travelled in bands of a twentieth of the force's
-/// range has a peak there, and is at least a third smaller on both sides. (Without backlash the way a band takes grows all
-/// along a branch.) Less than 3 % of the amplitude is not told from noise.
+/// A plateau in the middle of the force, in both directions: the displacement travelled in bands of a
+/// twentieth of the force's range has a peak there, and is at least a third smaller on both sides. (Without
+/// backlash the way a band takes grows all along a branch.) Less than 3 % of the amplitude is not told from
+/// noise.
 fn backlash(cycle: &MeanCycle) -> Option<Note> {
     const BANDS: usize = 20;
     let low = cycle.force.iter().copied().fold(f64::INFINITY, f64::min);

@@ -6,9 +6,9 @@ use num_complex::Complex64;
 
 use crate::error::LoopError;
 
-/// One friction hysteresis loop in rig convention: `f(θ) = Re Σ_{k=0..K} F_k e^{ikθ}` \[N\] over the loop phase
-/// θ \[rad\], where the displacement is `a cos θ` \[m\] (Hoffmann et al. 2017, section 3: the measured hysteresis
-/// decomposed into its Fourier series; here one-sided and over loop phase).
+/// One friction hysteresis loop in rig convention: `f(θ) = Re Σ_{k=0..K} F_k e^{ikθ}` \[N\] over the loop
+/// phase θ \[rad\], where the displacement is `a cos θ` \[m\] (Hoffmann et al. 2017, section 3: the
+/// measured hysteresis decomposed into its Fourier series; here one-sided and over loop phase).
 ///
 /// θ from 0 to π is the unloading branch, from −π to 0 the loading branch. Because `f` is the force the rig
 /// applies, `∮ f dw = π a Im F_1 > 0`; the force on a vibrating body has the opposite sign.
@@ -19,8 +19,9 @@ pub struct Loop {
 }
 
 impl Loop {
-    /// A loop of displacement amplitude `a` > 0 \[m\] (half peak-to-peak) with the one-sided complex amplitudes
-    /// `F_k` \[N\] of the force, `coefficients[k]` being harmonic `k` = 0..=K. Zeros at the end are dropped.
+    /// A loop of displacement amplitude `a` > 0 \[m\] (half peak-to-peak) with the one-sided complex
+    /// amplitudes `F_k` \[N\] of the force, `coefficients[k]` being harmonic `k` = 0..=K. Zeros at the end
+    /// are dropped.
     ///
     /// # Errors
     /// An amplitude that is not positive, numbers that are not finite, a mean that is not real, no harmonic
@@ -82,15 +83,15 @@ impl Loop {
         self.first_harmonic().arg()
     }
 
-    /// Even content `√(Σ_{k=2,4,…} |F_k|²) / |F_1|` \[-\]: how far the loop is from symmetric about its centre.
-    /// The mean is left out.
+    /// Even content `√(Σ_{k=2,4,…} |F_k|²) / |F_1|` \[-\]: how far the loop is from symmetric about its
+    /// centre. The mean is left out.
     #[must_use]
     pub fn even_content(&self) -> f64 {
         self.content(2)
     }
 
-    /// Content of the odd harmonics above the first, `√(Σ_{k=3,5,…} |F_k|²) / |F_1|` \[-\]: how far the loop is
-    /// from an ellipse.
+    /// Content of the odd harmonics above the first, `√(Σ_{k=3,5,…} |F_k|²) / |F_1|` \[-\]: how far the
+    /// loop is from an ellipse.
     #[must_use]
     pub fn odd_content(&self) -> f64 {
         self.content(3)

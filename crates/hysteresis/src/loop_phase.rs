@@ -1,8 +1,8 @@
 //! Loop phase of every sample: where on the loop it was measured.
 //!
 //! θ = arccos ξ loses half of its digits near the tips and turns the noise of the displacement into jitter of
-//! θ there. So the distance to the tip a branch starts from, `p = 1 − ξ`, is taken directly, near the tips from the
-//! parabola through many samples instead of from single ones, and `θ = 2 asin √(p/2)`.
+//! θ there. So the distance to the tip a branch starts from, `p = 1 − ξ`, is taken directly, near the tips
+//! from the parabola through many samples instead of from single ones, and `θ = 2 asin √(p/2)`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -44,7 +44,8 @@ struct Tip {
 }
 
 impl Tip {
-    /// A turning point. What noise alone can move it is no reason to doubt that all of its kind are at one level.
+    /// A turning point. What noise alone can move it is no reason to doubt that all of its kind are at one
+    /// level.
     fn at(point: &TurningPoint, steady: &Steady) -> Self {
         let level = steady.level(point.upper, point.position);
         let by_noise = (point.displacement - level).abs() <= 3.0 * point.uncertainty;
@@ -68,8 +69,8 @@ impl Tip {
     }
 }
 
-/// Gives the samples of every complete steady branch their loop phase. A direction without a complete branch is
-/// put together from its pieces at the ends of the record.
+/// Gives the samples of every complete steady branch their loop phase. A direction without a complete
+/// branch is put together from its pieces at the ends of the record.
 pub(crate) fn loop_phases(
     position: &[f64],
     displacement: &[f64],
@@ -123,8 +124,8 @@ pub(crate) fn loop_phases(
         if found {
             continue;
         }
-        // Pieces: from the record's start to the first turning point, from the last one to the end, and between
-        // a turning point and one too close to the edge to be seen.
+        // Pieces: from the record's start to the first turning point, from the last one to the end, and
+        // between a turning point and one too close to the edge to be seen.
         let tip = |point: Option<&TurningPoint>, upper: bool, position: f64| match point {
             Some(point) if seen(point) => Tip::at(point, steady),
             _ => Tip { position, displacement: steady.level(upper, position), parabola: None },

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// A remark about a fitted record: nothing that forbids its use, all that a careful engineer would want to hear.
+/// A remark about a fitted record: nothing that forbids its use, all that a careful engineer would want to
+/// hear.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Note {

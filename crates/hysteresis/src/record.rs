@@ -106,8 +106,8 @@ impl Record {
     ///
     /// Columns are separated by commas, semicolons, tabs or spaces; with semicolons and tabs the decimal sign
     /// may be a comma. Lines that start with `#`, empty lines, quotes around fields, a byte order mark and
-    /// line ends of any system are understood. Units may also stand in a line of their own below the names. A file
-    /// without header needs the numbers of its columns and their units in `options`.
+    /// line ends of any system are understood. Units may also stand in a line of their own below the names.
+    /// A file without header needs the numbers of its columns and their units in `options`.
     ///
     /// # Errors
     /// What is wrong, in which line and column, and what to try.

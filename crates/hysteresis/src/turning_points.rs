@@ -26,8 +26,9 @@ pub struct TurningPoint {
 /// How close to a tip, in half heights of the record, the motion is taken for a parabola.
 const DEPTH: std::ops::RangeInclusive<f64> = 1e-3..=0.1;
 
-/// Standard deviation of the white noise in `values`, from how far each is off the cubic through its four neighbours, which
-/// a motion sampled well hardly is. Robust against outliers (median). `position` may be uneven.
+/// Standard deviation of the white noise in `values`, from how far each is off the cubic through its four
+/// neighbours, which a motion sampled well hardly is. Robust against outliers (median). `position` may be
+/// uneven.
 pub(crate) fn sample_noise(position: &[f64], values: &[f64]) -> f64 {
     let mut off: Vec<f64> = position
         .windows(5)
@@ -55,8 +56,8 @@ pub(crate) fn sample_noise(position: &[f64], values: &[f64]) -> f64 {
     *median / 0.6745 // the median of |x| is 0.6745 standard deviations of a normal x
 }
 
-/// Alternating extremes between which the displacement travels at least `threshold`: sample and whether upper.
-/// The first and the last may be the record's ends.
+/// Alternating extremes between which the displacement travels at least `threshold`: sample and whether
+/// upper. The first and the last may be the record's ends.
 pub(crate) fn extremes(displacement: &[f64], threshold: f64) -> Vec<(usize, bool)> {
     let mut found = Vec::new();
     let Some(&start) = displacement.first() else { return found };
@@ -191,8 +192,8 @@ impl Parabola {
         (enough && parabola.second.is_finite() && parabola.slope.is_finite()).then_some(parabola)
     }
 
-    /// Whether it turns the right way, inside the window. At an edge of the record one side of the tip was not
-    /// seen: its vertex may lie a little outside.
+    /// Whether it turns the right way, inside the window. At an edge of the record one side of the tip was
+    /// not seen: its vertex may lie a little outside.
     fn is_tip(&self, window: &[f64], upper: bool, at_edge: bool) -> bool {
         let (Some(first), Some(last)) = (window.first(), window.last()) else { return false };
         let slack = if at_edge { 0.5 * (last - first) } else { 0.0 };

@@ -67,7 +67,8 @@ fn an_elastic_coulomb_loop_has_the_describing_function_of_its_closed_form() {
     }
     let found = fitted(&Record::new(None, w, f).unwrap());
     let first = found.hysteresis_loop.coefficients()[1];
-    // The kinks lie anywhere between two samples: (π/1000)² of the jump in slope, about stiffness × amplitude.
+    // The kinks lie anywhere between two samples: (π/1000)² of the jump in slope, about stiffness ×
+    // amplitude.
     let error = (first - Complex64::new(in_phase, quadrature)).norm();
     assert!(error < (PI / 1000.0).powi(2) * stiffness * amplitude, "{error}");
     assert!(found.is_symmetric() && found.cycles == 6);
@@ -235,8 +236,8 @@ fn a_dwell_at_the_turning_points_does_no_harm() {
     let (harmonics, amplitude) = errors(&found, &truth());
     assert_eq!(found.cycles, 4);
     assert!((found.period.unwrap() - 2.0).abs() < 0.02, "{:?}", found.period);
-    println!("{harmonics:e} {amplitude:e}");
-    assert!(harmonics < 0.02 && amplitude < 3e-3, "{harmonics:e} {amplitude:e} {:?}", found.notes);
+    // The tip of a dwell is its largest sample, three or so standard deviations of the noise too far out.
+    assert!(harmonics < 6e-3 && amplitude < 3e-3, "{harmonics:e} {amplitude:e} {:?}", found.notes);
 }
 
 #[test]
@@ -245,8 +246,8 @@ fn odd_sampling_is_no_obstacle() {
         (97.31, 0.4, Drive::Sine, 1e-4),
         (31.7, 0.0, Drive::Sine, 1e-3),
         (17.37, 0.3, Drive::Sine, 5e-3),
-        // A sharp tip between two samples cannot be seen: 4 × amplitude / samples from one sample to the next, a
-        // quarter of that is missed in the mean, and the force is out by twice as much.
+        // A sharp tip between two samples cannot be seen: 4 × amplitude / samples from one sample to the
+        // next, a quarter of that is missed in the mean, and the force is out by twice as much.
         (200.9, 0.2, Drive::Triangle, 2.0 * 2.0 / 200.9),
         (2000.9, 0.2, Drive::Triangle, 2.0 * 2.0 / 2000.9),
     ] {

@@ -27,7 +27,8 @@ fn fitted(path: &Path) -> (Record, Fit) {
     (record, found)
 }
 
-/// `∮ f dw` from one upward passage of the middle to the next, by trapezoids, straight from the columns of the file.
+/// `∮ f dw` from one upward passage of the middle to the next, by trapezoids, straight from the columns of
+/// the file.
 fn areas(path: &Path) -> Vec<f64> {
     let text = std::fs::read_to_string(path).unwrap();
     let rows: Vec<(f64, f64)> = text
@@ -35,7 +36,7 @@ fn areas(path: &Path) -> Vec<f64> {
         .skip(1)
         .map(|line| {
             let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-            (cells[1] * 0.0254, cells[2] * 4448.221_615_260_5)
+            (cells[1] * 0.0254, cells[2] * 4_448.221_615_260_5)
         })
         .collect();
     // The steady part lies between 4 s and 10 s at 1024 samples a second, one cycle 2048 samples.
