@@ -6,16 +6,18 @@ use std::ops::Range;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-use crate::average::{Bin, Polygon, bin_means, bin_of};
-use crate::cycles::Steady;
+use crate::average::{Bin, Polygon, bin_means};
+use crate::checks::{check_coverage, check_samples};
+use crate::drift::{force_drift, without_drift};
 use crate::error::FitError;
+use crate::features::{backlash, direct_dissipation, interior_reversals};
 use crate::harmonics;
 use crate::hysteresis_loop::Loop;
-use crate::loop_phase::{LoopPhases, largest_gap, loop_phases};
+use crate::loop_phase::{largest_gap, loop_phases};
 use crate::noise;
 use crate::notes::Note;
-use crate::record::{Quantity, Record};
-use crate::turning_points::{TurningPoint, extremes, sample_noise, turning_points};
+use crate::record::Record;
+use crate::turning_points::{TurningPoint, range};
 
 /// How to fit. The default suits a rig's record; every part can be set alone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -129,12 +131,6 @@ impl Fit {
 
 /// Even content up to which a loop counts as symmetric.
 const SYMMETRIC: f64 = 0.02;
-/// Reversals below this part of the record's range are not turning points of a cycle.
-const REVERSAL: f64 = 0.25;
-/// Fewest samples that can make a cycle.
-const FEWEST: usize = 8;
-/// Largest step in loop phase \[rad\] without a sample.
-const GAP: f64 = 0.6;
 
 /// Fits the Fourier series over loop phase to a record (Hoffmann et al. 2017, section 3).
 ///
@@ -158,7 +154,7 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
     let w = &w;
     let amplitude = steady.amplitude();
     let mut phases = loop_phases(&position, w, f, &steady)?;
-    check_coverage(&phases, &steady, range(f), settings)?;
+    check_coverage(&phases, &steady, range(f), settings.closure_tolerance)?;
     let mut notes = Vec::new();
     if steady.skipped != (0, 0) {
         notes.push(Note::RunUpRunDown { before: steady.skipped.0, after: steady.skipped.1 });
@@ -270,166 +266,8 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
     })
 }
 
-/// Finds the steady cycles and takes the drift they show off the displacement, which moves the turning
-/// points a little: until they stay. Returns the displacement, its steady part and the drift that was taken
-/// off \[m per unit of position\], about the centre of the steady part.
-fn without_drift(
-    position: &[f64],
-    displacement: &[f64],
-    tolerance: f64,
-) -> Result<(Vec<f64>, Steady, f64), FitError> {
-    let span = position.last().copied().unwrap_or(0.0) - position.first().copied().unwrap_or(0.0);
-    let mut w = displacement.to_vec();
-    let (mut removed, mut centre) = (0.0, 0.0);
-    let mut pass = 0;
-    loop {
-        let height = range(&w);
-        let points = turning_points(position, &w, &extremes(&w, REVERSAL * height), height);
-        // Strong drift makes the branches of one direction longer than those of the other: it goes first.
-        let drift = match common_drift(&points).filter(|_| pass == 0) {
-            Some(drift) => drift,
-            None => {
-                let steady = Steady::find(&points, tolerance)?;
-                if (steady.drift * span).abs() <= 1e-9 * height || pass > 3 {
-                    return Ok((w, steady, removed));
-                }
-                centre = steady.centre;
-                steady.drift
-            }
-        };
-        pass += 1;
-        removed += drift;
-        for ((w, raw), u) in w.iter_mut().zip(displacement).zip(position) {
-            *w = raw - removed * (u - centre);
-        }
-    }
-}
-
-/// The drift from one turning point to the next of its kind \[m per unit of position\], where upper and
-/// lower ones agree on it as they do in drift but not in run-up: their median, if most are within a tenth
-/// of it.
-fn common_drift(points: &[TurningPoint]) -> Option<f64> {
-    let seen: Vec<&TurningPoint> = points.iter().filter(|p| !p.at_edge).collect();
-    let slope = |(a, b): (&&TurningPoint, &&TurningPoint)| {
-        (b.displacement - a.displacement) / (b.position - a.position)
-    };
-    let slopes: Vec<f64> = seen.iter().zip(seen.iter().skip(2)).map(slope).collect();
-    let drift = median(slopes.iter().copied())?;
-    let spread = median(slopes.iter().map(|slope| (slope - drift).abs()))?;
-    (slopes.len() >= 3 && spread < 0.1 * drift.abs()).then_some(drift)
-}
-
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
-}
-
 /// Relative size below which a harmonic is rounding.
 const NEGLIGIBLE: f64 = 1e-9;
-
-/// Largest minus smallest value.
-fn range(values: &[f64]) -> f64 {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    high - low
-}
-
-/// Refuses what cannot be a loop whatever its shape.
-fn check_samples(record: &Record) -> Result<(), FitError> {
-    let found = record.displacement.len();
-    let lengths_agree =
-        record.force.len() == found && record.time.as_ref().is_none_or(|time| time.len() == found);
-    if !lengths_agree {
-        return Err(FitError::Lengths { displacement: found, force: record.force.len() });
-    }
-    if found < FEWEST {
-        return Err(FitError::TooFewSamples { found, needed: FEWEST });
-    }
-    let columns = [
-        (Quantity::Time, record.time.as_deref().unwrap_or(&[])),
-        (Quantity::Displacement, &record.displacement),
-        (Quantity::Force, &record.force),
-    ];
-    for (quantity, values) in columns {
-        if let Some(sample) = values.iter().position(|value| !value.is_finite()) {
-            return Err(FitError::NotFinite { place: record.place(sample), quantity });
-        }
-    }
-    for (quantity, values) in columns.into_iter().skip(1) {
-        let value = values.first().copied().unwrap_or(0.0);
-        if values.iter().all(|other| *other == value) {
-            return Err(FitError::Constant { quantity, value });
-        }
-    }
-    Ok(())
-}
-
-/// Refuses a cycle with parts that nobody measured, or whose ends do not meet.
-fn check_coverage(
-    phases: &LoopPhases,
-    steady: &Steady,
-    force_range: f64,
-    settings: &FitSettings,
-) -> Result<(), FitError> {
-    let branches = (phases.branches.0 + phases.branches.1).max(1);
-    if phases.samples.len() * 2 / branches < FEWEST {
-        return Err(FitError::TooFewSamples { found: phases.samples.len() * 2 / branches, needed: FEWEST });
-    }
-    let (start, gap) = largest_gap(phases.samples.iter().map(|s| s.theta).collect());
-    if gap > GAP {
-        let displacement = |theta: f64| 1e6 * (steady.middle() + steady.amplitude() * theta.cos());
-        let direction = if (start + 0.5 * gap) % TAU < PI { "unloading" } else { "loading" };
-        return Err(FitError::OpenCurve {
-            reason: format!(
-                "between {:.4} µm and {:.4} µm, while {direction}, there is no sample",
-                displacement(start),
-                displacement(start + gap)
-            ),
-        });
-    }
-    let by_time = |a: &&crate::loop_phase::PhasedSample, b: &&crate::loop_phase::PhasedSample| {
-        a.position.total_cmp(&b.position)
-    };
-    let ends = (phases.samples.iter().min_by(by_time), phases.samples.iter().max_by(by_time));
-    if let (true, (Some(first), Some(last))) = (phases.joined, ends) {
-        let apart = (first.theta - last.theta).abs();
-        let jump = (first.force - last.force).abs();
-        if apart.min(TAU - apart) < GAP && jump > settings.closure_tolerance * force_range {
-            let reason = format!(
-                "its ends differ by {jump:.4} N, {:.0} % of the force's range",
-                100.0 * jump / force_range
-            );
-            return Err(FitError::OpenCurve { reason });
-        }
-    }
-    Ok(())
-}
-
-/// Drift of the force \[N per unit of position\], from samples at the same loop phase in different cycles:
-/// least squares with a mean of its own for every bin. Zero where no bin was passed twice.
-fn force_drift(phases: &LoopPhases, bins: usize) -> f64 {
-    if phases.branches.0.min(phases.branches.1) < 2 {
-        return 0.0;
-    }
-    let mut sums = vec![(0.0, 0.0, 0.0); bins];
-    for sample in &phases.samples {
-        if let Some((count, position, force)) = sums.get_mut(bin_of(sample.theta, bins)) {
-            *count += 1.0;
-            *position += sample.position;
-            *force += sample.force;
-        }
-    }
-    let (mut covariance, mut variance) = (0.0, 0.0);
-    for sample in &phases.samples {
-        if let Some((count, position, force)) = sums.get(bin_of(sample.theta, bins)) {
-            let later = sample.position - position / count;
-            covariance += later * (sample.force - force / count);
-            variance += later * later;
-        }
-    }
-    if variance > 0.0 { covariance / variance } else { 0.0 }
-}
 
 fn mean_cycle(means: &[Bin], points: usize, amplitude: f64, force_mean: f64) -> MeanCycle {
     let theta: Vec<f64> = (0..points).map(|j| TAU * j as f64 / points as f64).collect();
@@ -438,82 +276,4 @@ fn mean_cycle(means: &[Bin], points: usize, amplitude: f64, force_mean: f64) -> 
         force: Polygon::through(means).resample(points).iter().map(|f| f - force_mean).collect(),
         theta,
     }
-}
-
-/// `∮ f dw` per cycle by the trapezoid rule: over the branches between turning points, or around the whole
-/// record where there is only one cycle. The mean force does no work over a closed cycle; without it a
-/// cycle that does not quite close does less harm.
-fn direct_dissipation(
-    phases: &LoopPhases,
-    displacement: &[f64],
-    force: &[f64],
-    points: &[TurningPoint],
-    force_mean: f64,
-) -> f64 {
-    let chord = |w0: &f64, w1: &f64, f0: &f64, f1: &f64| (0.5 * (f0 + f1) - force_mean) * (w1 - w0);
-    let work = |range: Range<usize>| -> f64 {
-        let w = displacement.get(range.clone()).unwrap_or(&[]);
-        let f = force.get(range).unwrap_or(&[]);
-        let (ends, starts) = (w.iter().skip(1).zip(f.iter().skip(1)), w.iter().zip(f));
-        starts.zip(ends).map(|((w0, f0), (w1, f1))| chord(w0, w1, f0, f1)).sum()
-    };
-    if phases.joined {
-        let ends = (displacement.last(), displacement.first(), force.last(), force.first());
-        let closing = match ends {
-            (Some(w0), Some(w1), Some(f0), Some(f1)) => chord(w0, w1, f0, f1),
-            _ => 0.0,
-        };
-        return work(0..displacement.len()) + closing;
-    }
-    let mean = |upper: bool| {
-        let pairs = points.iter().zip(points.iter().skip(1)).filter(|(a, _)| a.upper == upper);
-        let (sum, count) =
-            pairs.fold((0.0, 0.0), |(sum, n), (a, b)| (sum + work(a.sample..b.sample + 1), n + 1.0));
-        sum / f64::max(count, 1.0)
-    };
-    mean(true) + mean(false)
-}
-
-/// Reversals inside the steady part that are too large for noise.
-fn interior_reversals((position, displacement): (&[f64], &[f64]), main: usize, height: f64) -> Option<Note> {
-    let threshold = (12.0 * sample_noise(position, displacement)).max(0.02 * height);
-    let all = extremes(displacement, threshold);
-    let count = all.len().saturating_sub(main);
-    let levels: Vec<f64> = all.iter().filter_map(|(sample, _)| displacement.get(*sample).copied()).collect();
-    let steps = levels.iter().zip(levels.iter().skip(1)).map(|(a, b)| (a - b).abs());
-    let largest = steps.filter(|step| *step < REVERSAL * height).fold(0.0, f64::max) / height;
-    (count > 0 && largest > 0.0).then_some(Note::InteriorReversals { count, largest })
-}
-
-/// A plateau in the middle of the force, in both directions: the displacement travelled in bands of a
-/// twentieth of the force's range has a peak there, and is at least a third smaller on both sides. (Without
-/// backlash the way a band takes grows all along a branch.) Less than 3 % of the amplitude is not told from
-/// noise.
-fn backlash(cycle: &MeanCycle) -> Option<Note> {
-    const BANDS: usize = 20;
-    let low = cycle.force.iter().copied().fold(f64::INFINITY, f64::min);
-    let band = range(&cycle.force) / BANDS as f64;
-    let n = cycle.force.len();
-    let next = |values: &[f64], j: usize| values.get((j + 1) % n).copied().unwrap_or(0.0);
-    let mut width = 0.0;
-    for unloading in [true, false] {
-        let mut ways = [0.0; BANDS];
-        for (j, ((theta, w), f)) in cycle.theta.iter().zip(&cycle.displacement).zip(&cycle.force).enumerate()
-        {
-            let force = 0.5 * (f + next(&cycle.force, j));
-            let way = ways.get_mut(((force - low) / band) as usize);
-            if let Some(way) = way.filter(|_| (*theta < PI) == unloading) {
-                *way += (next(&cycle.displacement, j) - w).abs();
-            }
-        }
-        let way = |i: usize| ways.get(i).copied().unwrap_or(0.0);
-        let peak = (7..13).max_by(|&i, &j| way(i).total_cmp(&way(j))).unwrap_or(0);
-        let (above, below) = (0.5 * (way(peak + 3) + way(peak + 4)), 0.5 * (way(peak - 3) + way(peak - 4)));
-        if way(peak) < 1.5 * f64::max(above, below) {
-            return None;
-        }
-        let around: f64 = (peak - 1..=peak + 1).map(way).sum();
-        width += 0.5 * (around - 1.5 * (above + below));
-    }
-    (width > 0.03 * range(&cycle.displacement) / 2.0).then_some(Note::Backlash { width })
 }

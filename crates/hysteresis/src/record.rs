@@ -4,9 +4,9 @@ use std::fmt::{self, Write as _};
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::error::RecordError;
 use crate::options::ReadOptions;
 use crate::read;
+use crate::record_error::RecordError;
 use crate::units::{ForceUnit, LengthUnit, TimeUnit};
 
 /// What a column of a record holds.

@@ -23,8 +23,18 @@ pub struct TurningPoint {
     pub(crate) uncertainty: f64,
 }
 
+/// Reversals below this part of the record's range are not turning points of a cycle.
+pub(crate) const REVERSAL: f64 = 0.25;
+
 /// How close to a tip, in half heights of the record, the motion is taken for a parabola.
 const DEPTH: std::ops::RangeInclusive<f64> = 1e-3..=0.1;
+
+/// Largest minus smallest value.
+pub(crate) fn range(values: &[f64]) -> f64 {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    high - low
+}
 
 /// Standard deviation of the white noise in `values`, from how far each is off the cubic through its four
 /// neighbours, which a motion sampled well hardly is. Robust against outliers (median). `position` may be
