@@ -86,7 +86,7 @@ impl ElasticCoulomb {
 
     /// The force of a period that slips: k_t (w − w_r) + f_r, held to ±F_s. `sticking` receives the samples that do
     /// not slip, each piece with the turning point r at which the last slip ended.
-    fn trace<T: Real>(&self, path: &impl Path<T>, force: &mut [T], sticking: &mut Vec<Piece>) {
+    pub(crate) fn trace<T: Real>(&self, path: &impl Path<T>, force: &mut [T], sticking: &mut Vec<Piece>) {
         sticking.clear();
         let samples = force.len();
         // The spring is anchored where the last slip ended, at ±F_s.

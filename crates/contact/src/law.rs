@@ -103,8 +103,8 @@ impl Workspace {
     pub fn new(samples: usize) -> Self {
         Self {
             turning_points: TurningPoints::default(),
-            masing: Masing::default(),
-            masing_tangent: MasingTangent::default(),
+            masing: Masing::new(),
+            masing_tangent: MasingTangent::new(),
             pieces: Vec::new(),
             tangent: Tangent::new(samples),
         }

@@ -77,7 +77,7 @@ impl<T: Real> Place<T> {
 const LANES: usize = 8;
 
 /// `Re Σ c_k z^k` on the unit circle, by Horner's rule; of odd k alone in powers of z².
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Series<T> {
     /// c_0, c_1, c_2, … or, when odd, c_1, c_3, c_5, …
     coefficients: Vec<Complex<T>>,
@@ -85,6 +85,11 @@ pub(crate) struct Series<T> {
 }
 
 impl<T: Real> Series<T> {
+    /// Zero everywhere.
+    fn new() -> Self {
+        Self { coefficients: Vec::new(), odd: false }
+    }
+
     /// Replaces the coefficients c_0, c_1, …; `odd` says that those of even index are zero.
     fn set(&mut self, coefficients: impl Iterator<Item = Complex<T>>, odd: bool) {
         let (skip, step) = if odd { (1, 2) } else { (0, 1) };
@@ -137,7 +142,7 @@ impl<T: Real> Series<T> {
 }
 
 /// The force over loop phase at one amplitude, `L(θ) = Re Σ c_k e^{ikθ}`.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct LoopCurve<T> {
     pub(crate) force: Series<T>,
     /// dL/dθ = Re Σ i k c_k e^{ikθ}.
@@ -149,6 +154,11 @@ pub(crate) struct LoopCurve<T> {
 }
 
 impl<T: Real> LoopCurve<T> {
+    /// No force at all.
+    pub(crate) fn new() -> Self {
+        Self { force: Series::new(), slope: Series::new(), upper: T::from(0.0), lower: T::from(0.0) }
+    }
+
     /// Replaces the coefficients c_0, c_1, …; `odd` says that those of even index are zero.
     pub(crate) fn set(&mut self, coefficients: impl Iterator<Item = Complex<T>> + Clone, odd: bool) {
         let slopes = coefficients

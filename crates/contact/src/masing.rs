@@ -33,7 +33,7 @@ pub(crate) struct Branch<T> {
 }
 
 /// The branches of one period and the samples on them; reused between evaluations.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Masing<T> {
     pub(crate) curve: LoopCurve<T>,
     pub(crate) branches: Vec<Branch<T>>,
@@ -50,6 +50,17 @@ pub(crate) fn wrap(j: usize, samples: usize) -> usize {
 }
 
 impl<T: Real> Masing<T> {
+    /// Empty buffers.
+    pub(crate) fn new() -> Self {
+        Self {
+            curve: LoopCurve::new(),
+            branches: Vec::new(),
+            pieces: Vec::new(),
+            units: Vec::new(),
+            stack: Vec::new(),
+        }
+    }
+
     /// Walks through one period of `path` with loop amplitude `a` and writes the force at every sample.
     pub(crate) fn trace(&mut self, path: &impl Path<T>, a: T, force: &mut [T]) {
         let samples = force.len();

@@ -26,7 +26,7 @@ const AT_TIP: f64 = 1e-8;
 const NEAR_TIP: f64 = 1e-3;
 
 /// Buffers for the derivatives; reused between evaluations.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct MasingTangent {
     /// ∂c_k/∂a: how the loop changes with its amplitude.
     pub(crate) growth: LoopCurve<f64>,
@@ -50,6 +50,18 @@ struct Local {
 }
 
 impl MasingTangent {
+    /// Empty buffers.
+    pub(crate) fn new() -> Self {
+        Self {
+            growth: LoopCurve::new(),
+            force_rows: Vec::new(),
+            ratio_rows: Vec::new(),
+            amplitude: Vec::new(),
+            ratio: Vec::new(),
+            at_tips: Vec::new(),
+        }
+    }
+
     fn local(&self, curve: &LoopCurve<f64>, branch: &Branch<f64>, here: Place<f64>, a: f64) -> Local {
         let sigma = branch.direction.sign();
         let by_place = branch.ratio * curve.stiffness(branch.direction, here) / a;

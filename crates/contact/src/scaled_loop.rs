@@ -147,7 +147,7 @@ impl ScaledLoop {
     }
 
     /// c_1(α) in N and dc_1/dα.
-    fn first(&self, alpha: f64) -> (Complex64, Complex64) {
+    pub(crate) fn first(&self, alpha: f64) -> (Complex64, Complex64) {
         let g = self.magnitude.value(alpha);
         let unit = Complex64::from_polar(self.reference_force, PI + self.phase.value(alpha));
         let derivative = Complex64::new(self.magnitude.derivative(alpha), g * self.phase.derivative(alpha));
@@ -155,7 +155,7 @@ impl ScaledLoop {
     }
 
     /// Coefficients c_k with the given c_1; the same for derivatives, as σ is linear in c_1.
-    fn coefficients(&self, first: Complex64) -> impl Iterator<Item = Complex64> + Clone {
+    pub(crate) fn coefficients(&self, first: Complex64) -> impl Iterator<Item = Complex64> + Clone {
         self.shape.iter().enumerate().map(move |(k, shape)| if k == 1 { first } else { shape * first.im })
     }
 }
