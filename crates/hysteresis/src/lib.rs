@@ -1,30 +1,63 @@
-//! hysteresis (temporary local stand-in)
-#![allow(missing_docs)]
-use num_complex::Complex64;
-#[derive(Debug, Clone, PartialEq)]
-pub struct Loop {
-    a: f64,
-    c: Vec<Complex64>,
-}
-#[derive(Debug)]
-pub struct LoopError;
-impl Loop {
-    pub fn new(a: f64, c: Vec<Complex64>) -> Result<Self, LoopError> {
-        Ok(Self { a, c })
-    }
-    pub fn displacement_amplitude(&self) -> f64 {
-        self.a
-    }
-    pub fn coefficients(&self) -> &[Complex64] {
-        &self.c
-    }
-    pub fn force_amplitude(&self) -> f64 {
-        self.c[1].norm()
-    }
-    pub fn phase(&self) -> f64 {
-        self.c[1].arg()
-    }
-    pub fn even_content(&self) -> f64 {
-        self.c.iter().skip(2).step_by(2).map(|c| c.norm_sqr()).sum::<f64>().sqrt() / self.force_amplitude()
-    }
-}
+//! Measured friction hysteresis loops: from a file of a test rig to a Fourier series over loop phase.
+//!
+//! The way through the crate:
+//!
+//! 1. [`Record::read`] reads displacement and force (time is optional) from a text file and converts them
+//!    to SI units;
+//! 2. [`fit`] finds the turning points, tells the steady cycles from run-up and run-down, gives every
+//!    sample its loop phase, averages, and fits the Fourier series;
+//! 3. the resulting [`Loop`] evaluates the force over loop phase.
+//!
+//! # Conventions
+//!
+//! Everything is in the *rig convention*: the force is the one the rig applies, so a loop that dissipates
+//! has `∮ f dw > 0`. Complex amplitudes are one-sided, `f(θ) = Re Σ_{k=0..K} F_k e^{ikθ}`, over the *loop
+//! phase* θ, defined by the displacement `w = mid + a cos θ`: θ runs from 0 to π on the unloading branch
+//! (from the upper turning point to the lower one) and from −π to 0 on the loading branch. `a` is half the
+//! peak-to-peak displacement. Where a motion had been a pure cosine, θ would be Ωt; it need not have been.
+//!
+//! # Example
+//!
+//! ```
+//! use hysteresis::{FitSettings, ReadOptions, Record, fit, synthetic};
+//!
+//! // A rig would have written this file: run-up, five steady cycles, run-down, 1 % noise.
+//! let reference = synthetic::dahl_loop(8e-6, 12.0, 6e6, 15)?;
+//! let rig = synthetic::DirtyRecord { force_noise: 0.01, ..synthetic::DirtyRecord::new(reference.clone()) };
+//! let text = rig.generate().to_csv("um".parse()?, "N".parse()?, "s".parse()?);
+//!
+//! let record = Record::parse(&text, &ReadOptions::default())?;
+//! let result = fit(&record, &FitSettings::default())?;
+//! assert_eq!(result.cycles, 5);
+//! let error = (result.hysteresis_loop.dissipation() / reference.dissipation() - 1.0).abs();
+//! assert!(error < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod average;
+mod cycles;
+#[cfg(test)]
+mod dft;
+mod error;
+mod fit;
+mod harmonics;
+mod hysteresis_loop;
+mod loop_phase;
+mod noise;
+mod notes;
+mod options;
+mod read;
+mod record;
+pub mod synthetic;
+mod table;
+mod turning_points;
+mod units;
+
+pub use error::{FitError, LoopError, RecordError};
+pub use fit::{Fit, FitSettings, MeanCycle, fit};
+pub use hysteresis_loop::Loop;
+pub use notes::Note;
+pub use options::{Column, Columns, ForceSign, ReadOptions, Units};
+pub use record::{Quantity, Record};
+pub use turning_points::TurningPoint;
+pub use units::{ForceUnit, LengthUnit, TimeUnit, UnknownUnit};

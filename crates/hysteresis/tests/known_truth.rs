@@ -1,0 +1,349 @@
+//! Dirty records of loops that are known exactly: the fit must find them within what the dirt allows.
+
+use std::f64::consts::PI;
+
+use hysteresis::synthetic::{self, DirtyRecord, Drive};
+use hysteresis::{Fit, FitError, FitSettings, Loop, Note, Record, fit};
+use num_complex::Complex64;
+
+/// A rounded loop with an even harmonic, 15 harmonics.
+fn truth() -> Loop {
+    let symmetric = synthetic::dahl_loop(8e-6, 12.0, 6e6, 15).unwrap();
+    synthetic::with_harmonic(&symmetric, 2, Complex64::new(0.5, -0.3)).unwrap()
+}
+
+fn fitted(record: &Record) -> Fit {
+    fit(record, &FitSettings::default()).unwrap()
+}
+
+/// Largest error of a harmonic relative to |F_1|, and the error of the amplitude relative to it.
+fn errors(found: &Fit, exact: &Loop) -> (f64, f64) {
+    let one = found.hysteresis_loop.coefficients();
+    let other = exact.coefficients();
+    let largest = (1..one.len().max(other.len()))
+        .map(|k| {
+            let at = |c: &[Complex64]| c.get(k).copied().unwrap_or_default();
+            (at(one) - at(other)).norm()
+        })
+        .fold(0.0, f64::max);
+    let amplitude = found.hysteresis_loop.displacement_amplitude() / exact.displacement_amplitude() - 1.0;
+    (largest / exact.force_amplitude(), amplitude.abs())
+}
+
+#[test]
+fn the_dahl_loop_has_the_area_of_its_closed_form() {
+    let (a, slip_force, stiffness) = (8e-6, 12.0, 6e6);
+    let slip_way: f64 = slip_force / stiffness;
+    let area = 4.0 * slip_force * (a - slip_way * (a / slip_way).tanh());
+    let dahl = synthetic::dahl_loop(a, slip_force, stiffness, 63).unwrap();
+    // The projection is a trapezoid rule with 4096 points over a force with two kinks.
+    assert!((dahl.dissipation() / area - 1.0).abs() < 1e-6, "{} {area}", dahl.dissipation());
+    let gap = 3e-6;
+    let inner = a - 0.5 * gap;
+    let area = 4.0 * slip_force * (inner - slip_way * (inner / slip_way).tanh());
+    let backlash = synthetic::backlash_loop(a, slip_force, stiffness, gap, 63).unwrap();
+    assert!((backlash.dissipation() / area - 1.0).abs() < 1e-5, "{} {area}", backlash.dissipation());
+}
+
+#[test]
+fn a_clean_record_gives_back_its_loop() {
+    let found = fitted(&DirtyRecord::new(truth()).generate());
+    let (harmonics, amplitude) = errors(&found, &truth());
+    println!("{harmonics:.2e} {amplitude:.2e} {:?}", found.notes);
+    assert_eq!((found.cycles, found.branches), (5, (5, 4)));
+    assert!((found.period.unwrap() - 2.0).abs() < 1e-6);
+    assert!(harmonics < 1e-6 && amplitude < 1e-6, "{harmonics:e} {amplitude:e}");
+    assert!(found.noise < 1e-4, "{}", found.noise);
+    assert!(found.notes.iter().any(|note| matches!(note, Note::RunUpRunDown { .. })));
+}
+
+#[test]
+fn whole_cycles_are_counted_wherever_the_record_begins() {
+    for cycles in 1..=4 {
+        for tenth in 0..10 {
+            let start = f64::from(tenth) / 10.0 + 0.013;
+            for with_time in [true, false] {
+                let record =
+                    DirtyRecord { with_time, ..DirtyRecord::steady_only(truth(), cycles, start) }.generate();
+                let found = fit(&record, &FitSettings::default())
+                    .unwrap_or_else(|e| panic!("{cycles} cycles from {start}: {e}"));
+                assert_eq!(found.cycles, cycles, "from {start}");
+                let (harmonics, amplitude) = errors(&found, &truth());
+                println!("{cycles} {start} {with_time} {harmonics:.2e} {amplitude:.2e}");
+                assert!(
+                    harmonics < 1e-3 && amplitude < 1e-4,
+                    "{cycles} from {start}: {harmonics:e} {amplitude:e}"
+                );
+                if with_time && cycles > 1 {
+                    assert!((found.period.unwrap() - 2.0).abs() < 1e-5, "{:?}", found.period);
+                } else if !with_time {
+                    assert_eq!(found.period, None);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn noise_enters_no_further_than_its_standard_error() {
+    let (mut worst, mut squares, mut count) = (0.0_f64, 0.0, 0.0);
+    for seed in 0..20 {
+        let dirty = DirtyRecord { force_noise: 0.05, seed, ..DirtyRecord::new(truth()) };
+        let found = fitted(&dirty.generate());
+        assert!((found.noise / 0.05 - 1.0).abs() < 0.1, "{}", found.noise);
+        // 5 unloading and 4 loading branches of 256 samples: E|error|² = s² (1/5 + 1/4)/256.
+        let force = truth().force_amplitude();
+        let error = 0.05 * force * (0.45_f64 / 256.0).sqrt();
+        for (k, exact) in truth().coefficients().iter().enumerate().skip(1) {
+            let coefficient = found.hysteresis_loop.coefficients().get(k).copied().unwrap_or_default();
+            if coefficient == Complex64::ZERO {
+                // Dropped: it was lost in noise.
+                assert!(exact.norm() < (3.0 + 4.0) * error, "harmonic {k}");
+                continue;
+            }
+            let off = (coefficient - exact).norm() / error;
+            worst = worst.max(off);
+            squares += off * off;
+            count += 1.0;
+            let claimed = found.harmonic_noise[k] / error;
+            assert!((0.4..2.0).contains(&claimed), "harmonic {k} claims {claimed} of its standard error");
+        }
+    }
+    let rms = f64::sqrt(squares / count);
+    println!("worst {worst:.2}, rms {rms:.2} standard errors");
+    // |error|² is exponentially distributed: of 300, none is above 4² but with a probability of 3e-5.
+    assert!(worst < 4.0, "{worst}");
+    assert!((0.8..1.25).contains(&rms), "{rms}");
+}
+
+#[test]
+fn noise_in_the_displacement_hardly_moves_the_loop() {
+    for seed in 0..5 {
+        let dirty = DirtyRecord { displacement_noise: 0.01, seed, ..DirtyRecord::new(truth()) };
+        let found = fitted(&dirty.generate());
+        let (harmonics, amplitude) = errors(&found, &truth());
+        println!("{harmonics:.2e} {amplitude:.2e} {:?}", found.notes);
+        assert_eq!(found.cycles, 5);
+        assert!(amplitude < 2e-3 && harmonics < 4e-3, "{harmonics:e} {amplitude:e}");
+        assert!(!found.notes.iter().any(|note| matches!(note, Note::InteriorReversals { .. })));
+    }
+}
+
+#[test]
+fn offsets_and_drifts_are_removed_and_reported() {
+    let dirty = DirtyRecord {
+        displacement_offset: 3.0,
+        displacement_drift: 0.05,
+        force_offset: -2.0,
+        force_drift: 0.03,
+        steady: 8,
+        ..DirtyRecord::new(truth())
+    };
+    let found = fitted(&dirty.generate());
+    let (harmonics, amplitude) = errors(&found, &truth());
+    println!("{harmonics:.2e} {amplitude:.2e} {:?}", found.notes);
+    assert_eq!(found.cycles, 8);
+    assert!((found.displacement_drift / (0.05 * 8e-6) - 1.0).abs() < 1e-3, "{}", found.displacement_drift);
+    let drift = 0.03 * truth().force_amplitude();
+    assert!((found.force_drift / drift - 1.0).abs() < 0.02, "{} {drift}", found.force_drift);
+    assert!(found.notes.iter().any(|note| matches!(note, Note::DisplacementDrift { .. })));
+    assert!(found.notes.iter().any(|note| matches!(note, Note::ForceDrift { .. })));
+    assert!(harmonics < 1e-3 && amplitude < 1e-3, "{harmonics:e} {amplitude:e}");
+}
+
+#[test]
+fn odd_sampling_is_no_obstacle() {
+    for (samples_per_cycle, jitter, drive, harmonics_bound) in [
+        (97.31, 0.4, Drive::Sine, 1e-4),
+        (31.7, 0.0, Drive::Sine, 1e-3),
+        (17.37, 0.3, Drive::Sine, 5e-3),
+        // A sharp tip between two samples cannot be seen: 4 × amplitude / samples from one sample to the next, a
+        // quarter of that is missed in the mean, and the force is out by twice as much.
+        (200.9, 0.2, Drive::Triangle, 2.0 * 2.0 / 200.9),
+        (2000.9, 0.2, Drive::Triangle, 2.0 * 2.0 / 2000.9),
+    ] {
+        let dirty = DirtyRecord { samples_per_cycle, jitter, drive, steady: 20, ..DirtyRecord::new(truth()) };
+        let found = fitted(&dirty.generate());
+        let (harmonics, amplitude) = errors(&found, &truth());
+        println!(
+            "{samples_per_cycle} {drive:?} {harmonics:.2e} {amplitude:.2e} {} {:?}",
+            found.cycles, found.notes
+        );
+        assert_eq!(found.cycles, 20, "{samples_per_cycle}");
+        assert!(harmonics < harmonics_bound, "{samples_per_cycle} {drive:?}: {harmonics:e}");
+        assert!(amplitude < harmonics_bound, "{samples_per_cycle} {drive:?}: {amplitude:e}");
+    }
+}
+
+#[test]
+fn chatter_is_noticed_and_averaged_out() {
+    let dirty = DirtyRecord { chatter: 0.1, steady: 6, seed: 3, ..DirtyRecord::new(truth()) };
+    let found = fitted(&dirty.generate());
+    println!("{:?} {:?}", errors(&found, &truth()), found.notes);
+    assert!(found.notes.iter().any(|note| matches!(note, Note::Chatter { ratio, .. } if *ratio > 3.0)));
+    // Half of every branch carries a sine of 10 %: an RMS of 10 %/2.
+    assert!((found.noise / 0.05 - 1.0).abs() < 0.2, "{}", found.noise);
+    let dissipation = found.hysteresis_loop.dissipation() / truth().dissipation() - 1.0;
+    assert!(dissipation.abs() < 0.01, "{dissipation}");
+    let quiet = fitted(&DirtyRecord { force_noise: 0.1, ..DirtyRecord::new(truth()) }.generate());
+    assert!(!quiet.notes.iter().any(|note| matches!(note, Note::Chatter { .. })), "{:?}", quiet.notes);
+}
+
+#[test]
+fn backlash_and_asymmetry_are_noticed_where_they_are() {
+    let gap = 3e-6;
+    let backlash = synthetic::backlash_loop(8e-6, 12.0, 2e7, gap, 31).unwrap();
+    let found = fitted(&DirtyRecord { force_noise: 0.01, ..DirtyRecord::new(backlash) }.generate());
+    println!("{:?}", found.notes);
+    let width = found.notes.iter().find_map(|note| match note {
+        Note::Backlash { width } => Some(*width),
+        _ => None,
+    });
+    // Seen through 31 harmonics and a band of a tenth of the force's range.
+    assert!((width.unwrap() / gap - 1.0).abs() < 0.2, "{width:?}");
+    assert!(!found.notes.iter().any(|note| matches!(note, Note::Asymmetric { .. })));
+    assert!(found.is_symmetric());
+
+    let found = fitted(&DirtyRecord { force_noise: 0.01, ..DirtyRecord::new(truth()) }.generate());
+    let asymmetric = |note: &Note| matches!(note, Note::Asymmetric { .. });
+    assert!(found.notes.iter().any(asymmetric) && !found.is_symmetric());
+    assert!(!found.notes.iter().any(|note| matches!(note, Note::Backlash { .. })), "{:?}", found.notes);
+    assert!((found.even_content / truth().even_content() - 1.0).abs() < 0.05);
+    assert!(found.hysteresis_loop.odd_part().even_content() == 0.0);
+}
+
+#[test]
+fn minor_loops_of_the_displacement_are_reported() {
+    let mut record = DirtyRecord::steady_only(truth(), 3, 0.0).generate();
+    let amplitude = truth().displacement_amplitude();
+    for (j, w) in record.displacement.iter_mut().enumerate() {
+        *w += 0.1 * amplitude * (10.0 * PI * j as f64 / 256.0).sin();
+    }
+    let found = fitted(&record);
+    assert!(
+        found.notes.iter().any(|note| matches!(note, Note::InteriorReversals { .. })),
+        "{:?}",
+        found.notes
+    );
+}
+
+#[test]
+fn the_area_of_the_raw_curve_is_the_area_of_the_series() {
+    for (cycles, start) in [(1, 0.0), (1, 0.4), (3, 0.1)] {
+        let found = fitted(&DirtyRecord::steady_only(truth(), cycles, start).generate());
+        // The trapezoid rule of 512 chords cuts crests by (2π/512)²/12 of the second derivative at most.
+        let exact = truth().dissipation();
+        assert!(
+            (found.direct_dissipation / exact - 1.0).abs() < 1e-3,
+            "{} {exact}",
+            found.direct_dissipation
+        );
+    }
+}
+
+#[test]
+fn the_same_settings_give_the_same_record_and_fit() {
+    let dirty =
+        DirtyRecord { force_noise: 0.02, jitter: 0.3, chatter: 0.1, seed: 9, ..DirtyRecord::new(truth()) };
+    assert_eq!(dirty.generate(), dirty.generate());
+    assert_eq!(fitted(&dirty.generate()), fitted(&dirty.generate()));
+    assert_ne!(dirty.generate(), DirtyRecord { seed: 10, ..dirty.clone() }.generate());
+}
+
+#[test]
+fn a_reference_loop_can_be_made_to_agree_with_a_law() {
+    let law = Complex64::from_polar(12.0, 0.491_4 * PI);
+    let agreeing = synthetic::with_harmonic(&truth(), 1, law).unwrap();
+    assert!((agreeing.force_amplitude() - 12.0).abs() < 1e-14);
+    assert!((agreeing.phase() - 0.491_4 * PI).abs() < 1e-15);
+    assert!(synthetic::with_harmonic(&truth(), 1, -law).is_err());
+}
+
+#[test]
+fn what_is_no_loop_is_refused_with_the_reason() {
+    let good = DirtyRecord::steady_only(truth(), 2, 0.0).generate();
+    let refused = |record: &Record| match fit(record, &FitSettings::default()) {
+        Ok(found) => panic!("fitted: {:?} {:?}", found.hysteresis_loop, found.notes),
+        Err(error) => error,
+    };
+    let with = |w: Vec<f64>, f: Vec<f64>| Record::new(None, w, f).unwrap();
+    let count = good.len();
+
+    let error = refused(&with(vec![1e-6], vec![1.0]));
+    assert_eq!(error, FitError::TooFewSamples { found: 1, needed: 8 });
+    assert!(refused(&with(vec![], vec![])).to_string().contains("0 samples"));
+
+    let constant = refused(&with(good.displacement.clone(), vec![2.0; count]));
+    assert!(constant.to_string().starts_with("the force is constant (2e0"), "{constant}");
+    let constant = refused(&with(vec![0.0; count], good.force.clone()));
+    assert!(constant.to_string().starts_with("the displacement is constant"), "{constant}");
+
+    let mut holed = good.clone();
+    holed.force[17] = f64::NAN;
+    assert!(refused(&holed).to_string().starts_with("sample 18: the force"), "{}", refused(&holed));
+    holed.force.pop();
+    assert!(matches!(refused(&holed), FitError::Lengths { .. }));
+
+    let reversed = refused(&with(good.displacement.clone(), good.force.iter().map(|f| -f).collect()));
+    assert!(
+        matches!(reversed, FitError::AgainstMotion { work } if (work / truth().dissipation() + 1.0).abs() < 1e-3)
+    );
+    assert!(reversed.to_string().contains("--flip-force"), "{reversed}");
+
+    let spring =
+        refused(&with(good.displacement.clone(), good.displacement.iter().map(|w| 1e6 * w).collect()));
+    assert!(matches!(spring, FitError::NoArea { .. }), "{spring}");
+
+    // Half a cycle, three quarters of one, and one whose force does not close.
+    let cut = |samples: usize, start: f64| {
+        let mut record = DirtyRecord::steady_only(truth(), 2, start).generate();
+        record.time = None;
+        record.displacement.truncate(samples);
+        record.force.truncate(samples);
+        record
+    };
+    for (samples, start) in [(256, 0.25), (200, 0.8), (384, 0.0), (384, 0.2), (450, 0.5), (300, 0.1)] {
+        let error = refused(&cut(samples, start));
+        assert!(matches!(error, FitError::OpenCurve { .. }), "{samples} {start} {error}");
+    }
+    let mut leaning = cut(512, 0.0);
+    for (j, f) in leaning.force.iter_mut().enumerate() {
+        *f += 0.02 * j as f64;
+    }
+    let open = refused(&leaning);
+    assert!(open.to_string().contains("its ends differ by"), "{open}");
+
+    let growing = DirtyRecord { run_up: 4, steady: 0, run_down: 4, ..DirtyRecord::new(truth()) };
+    let error = refused(&growing.generate());
+    assert!(matches!(error, FitError::NotSteady { .. }), "{error}");
+
+    for settings in [
+        FitSettings { max_harmonics: 0, ..FitSettings::default() },
+        FitSettings { steady_tolerance: f64::NAN, ..FitSettings::default() },
+        FitSettings { significance: -1.0, ..FitSettings::default() },
+        FitSettings { closure_tolerance: 0.0, ..FitSettings::default() },
+    ] {
+        assert!(matches!(fit(&good, &settings), Err(FitError::Setting { .. })));
+    }
+}
+
+#[test]
+fn any_samples_at_all_give_a_fit_or_an_error() {
+    use rand::{RngExt as _, SeedableRng};
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(4);
+    for round in 0..400 {
+        let n = rng.random_range(0..60);
+        // Few distinct values make plateaus, ties and repeated times.
+        let mut column = |levels: i32| -> Vec<f64> {
+            (0..n)
+                .map(|_| f64::from(rng.random_range(-levels..=levels)) * 10.0_f64.powi(round % 20 - 10))
+                .collect()
+        };
+        let (w, f) = (column(1 + round % 5), column(3));
+        let mut time = column(20);
+        time.sort_by(f64::total_cmp);
+        if let Ok(found) = fit(&Record::new(Some(time), w, f).unwrap(), &FitSettings::default()) {
+            assert!(found.hysteresis_loop.dissipation() > 0.0 && found.noise.is_finite());
+        }
+    }
+}
