@@ -1,5 +1,7 @@
 //! Amplitudes over frequency with and without contacts, and their peaks.
 
+use num_complex::Complex64;
+
 use crate::run::Solved;
 
 /// A response over frequency: (Hz, amplitude in m); `None` where there is no solution.
@@ -65,7 +67,7 @@ impl Responses {
         for solution in solutions {
             let linear = plan.linear_response(solution.frequency, &mut workspace).unwrap_or_default();
             for (i, response) in responses.iter_mut().enumerate() {
-                let amplitude = |rows: &[Vec<_>]| Some(rows.get(i)?.get(column?)?).map(num_complex::Complex64::norm);
+                let amplitude = |rows: &[Vec<Complex64>]| Some(rows.get(i)?.get(column?)?.norm());
                 response.contact.push((solution.frequency, amplitude(&solution.displacement)));
                 response.linear.push((solution.frequency, amplitude(&linear)));
             }
