@@ -1,0 +1,280 @@
+//! One pair of boxed axes with its curves.
+
+use kuva::plot::{LinePlot, LineStyle};
+use kuva::render::color::Color;
+use kuva::render::layout::{AxisLine, ComputedLayout, Layout, TickAlign, TickFormat, TickPos};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
+
+use super::axis::Axis;
+use super::legend::Legend;
+use super::pen::{self, Pen};
+
+/// A curve in the units of its data; `None` interrupts it.
+#[derive(Debug, Clone)]
+pub(super) struct Curve {
+    pub(super) name: &'static str,
+    pub(super) points: Vec<(f64, Option<f64>)>,
+    pub(super) pen: Pen,
+}
+
+/// One pair of axes with curves, drawn in the order given.
+#[derive(Debug, Clone)]
+pub(super) struct Chart {
+    /// Written above the frame on the left.
+    pub(super) heading: String,
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) curves: Vec<Curve>,
+    /// Stretches of x marked along the lower edge of the frame.
+    pub(super) rug: Vec<(f64, f64)>,
+    /// What the marked stretches mean.
+    pub(super) rug_name: &'static str,
+    /// Write numbers and label on the lower edge.
+    pub(super) label_x: bool,
+    /// Write the label on the left edge.
+    pub(super) label_y: bool,
+    /// Name the curves inside the frame.
+    pub(super) legend: bool,
+    /// Of the whole chart, labels included, in px.
+    pub(super) width: f64,
+    pub(super) height: f64,
+}
+
+/// Margins around the frame in px.
+pub(super) const LEFT: f64 = 50.0;
+pub(super) const RIGHT: f64 = 12.0;
+pub(super) const TOP: f64 = 20.0;
+pub(super) const BOTTOM: f64 = 36.0;
+/// Margin below a chart without numbers on its lower edge.
+pub(super) const BOTTOM_BARE: f64 = 8.0;
+
+/// Points closer than this to the last one drawn are left out, in px.
+const FINEST: f64 = 0.15;
+
+impl Chart {
+    pub(super) fn bottom(&self) -> f64 {
+        if self.label_x { BOTTOM } else { BOTTOM_BARE }
+    }
+
+    /// Draws the chart. The y axis is extended upwards until a legend fits beside the curves.
+    pub(super) fn draw(mut self) -> Scene {
+        let mut layout = self.layout();
+        let mut legend = None;
+        let step = 0.06 * (self.y.high - self.y.low);
+        for _ in 0..if self.legend { 12 } else { 0 } {
+            legend = Legend::beside(&self, &ComputedLayout::from_layout(&layout));
+            if legend.is_some() {
+                break;
+            }
+            self.y.high += step;
+            layout = self.layout();
+        }
+        let computed = ComputedLayout::from_layout(&layout);
+        let mut scene = render_multiple(self.lines(&computed), layout);
+        self.add_minor_ticks(&mut scene, &computed);
+        self.add_single_points(&mut scene, &computed);
+        self.add_rug(&mut scene, &computed);
+        self.add_words(&mut scene);
+        if let Some(legend) = legend {
+            legend.draw(&mut scene);
+        }
+        scene
+    }
+
+    fn layout(&self) -> Layout {
+        let x_format = if self.label_x { self.x.format() } else { TickFormat::Custom(blank()) };
+        let mut layout = Layout::new((self.x.low, self.x.high), (self.y.low, self.y.high))
+            .with_width(self.width)
+            .with_height(self.height)
+            .with_force_margins(LEFT, RIGHT)
+            .with_force_margins_y(TOP, self.bottom())
+            .with_x_axis_min(self.x.low)
+            .with_x_axis_max(self.x.high)
+            .with_y_axis_min(self.y.low)
+            .with_y_axis_max(self.y.high)
+            .with_show_grid(false)
+            .with_axis_line(AxisLine::Box)
+            .with_tick_align(TickAlign::Inside)
+            .with_tick_pos(TickPos::Both)
+            .with_tick_length(pen::TICK)
+            .with_tick_width(pen::FRAME_WIDTH)
+            .with_axis_line_width(pen::FRAME_WIDTH)
+            .with_tick_size(pen::TICK_SIZE)
+            .with_label_size(pen::LABEL_SIZE)
+            .with_ticks(if self.width < 300.0 { 4 } else { 6 })
+            .with_x_tick_format(x_format)
+            .with_y_tick_format(self.y.format());
+        if let Some(step) = self.x.step() {
+            layout = layout.with_x_tick_step(step);
+        }
+        if let Some(step) = self.y.step() {
+            layout = layout.with_y_tick_step(step);
+        }
+        layout
+    }
+
+    /// The solved stretches of a curve in px: one list of points each.
+    pub(super) fn stretches(&self, curve: &Curve, computed: &ComputedLayout) -> Vec<Vec<(f64, f64)>> {
+        let mut stretches = vec![Vec::new()];
+        for &(x, y) in &curve.points {
+            let place = y.and_then(|y| Some((self.x.place(x)?, self.y.place(y)?)));
+            match (place, stretches.last_mut()) {
+                (Some((x, y)), Some(stretch)) => stretch.push((computed.map_x(x), computed.map_y(y))),
+                (None, Some(stretch)) if !stretch.is_empty() => stretches.push(Vec::new()),
+                _ => {}
+            }
+        }
+        stretches.retain(|stretch| !stretch.is_empty());
+        stretches
+    }
+
+    fn lines(&self, computed: &ComputedLayout) -> Vec<Plot> {
+        let mut lines = Vec::new();
+        for curve in &self.curves {
+            for stretch in self.stretches(curve, computed) {
+                let back = |(x, y): (f64, f64)| {
+                    let across = (x - LEFT) / computed.plot_width();
+                    let up = (self.height - self.bottom() - y) / computed.plot_height();
+                    (
+                        self.x.low + across * (self.x.high - self.x.low),
+                        self.y.low + up * (self.y.high - self.y.low),
+                    )
+                };
+                let line = LinePlot::new()
+                    .with_data(thinned(&stretch).into_iter().map(back))
+                    .with_color(curve.pen.color)
+                    .with_stroke_width(curve.pen.width);
+                lines.push(Plot::Line(match curve.pen.dash {
+                    Some(dash) => line.with_line_style(LineStyle::Custom(dash.to_owned())),
+                    None => line,
+                }));
+            }
+        }
+        if lines.is_empty() {
+            // An empty frame: kuva draws axes only where there is something to plot.
+            lines.push(Plot::Line(LinePlot::new().with_data([(self.x.low, self.y.low)])));
+        }
+        lines
+    }
+
+    /// A solved point between unsolved neighbours is a dot.
+    fn add_single_points(&self, scene: &mut Scene, computed: &ComputedLayout) {
+        for curve in &self.curves {
+            for stretch in self.stretches(curve, computed) {
+                if let [(cx, cy)] = *stretch {
+                    scene.add(Primitive::Circle {
+                        cx,
+                        cy,
+                        r: curve.pen.width,
+                        fill: curve.pen.color.into(),
+                        fill_opacity: None,
+                        stroke: None,
+                        stroke_width: None,
+                    });
+                }
+            }
+        }
+    }
+
+    fn add_minor_ticks(&self, scene: &mut Scene, computed: &ComputedLayout) {
+        let (left, right) = (LEFT, self.width - RIGHT);
+        let (top, bottom) = (TOP, self.height - self.bottom());
+        for place in self.y.minor_ticks() {
+            let y = computed.map_y(place);
+            stroke(scene, (left, y), (left + pen::MINOR_TICK, y));
+            stroke(scene, (right - pen::MINOR_TICK, y), (right, y));
+        }
+        for place in self.x.minor_ticks() {
+            let x = computed.map_x(place);
+            stroke(scene, (x, bottom), (x, bottom - pen::MINOR_TICK));
+            stroke(scene, (x, top), (x, top + pen::MINOR_TICK));
+        }
+    }
+
+    fn add_rug(&self, scene: &mut Scene, computed: &ComputedLayout) {
+        let y = self.height - self.bottom() - 0.5 * (pen::RUG.width + pen::FRAME_WIDTH);
+        for &(from, to) in &self.rug {
+            if let (Some(from), Some(to)) = (self.x.place(from), self.x.place(to)) {
+                let x1 = computed.map_x(from).max(LEFT + 0.5 * pen::FRAME_WIDTH);
+                let x2 = computed.map_x(to).min(self.width - RIGHT - 0.5 * pen::FRAME_WIDTH);
+                scene.add(Primitive::Line {
+                    x1,
+                    y1: y,
+                    x2,
+                    y2: y,
+                    stroke: pen::RUG.color.into(),
+                    stroke_width: pen::RUG.width,
+                    stroke_dasharray: None,
+                });
+            }
+        }
+    }
+
+    fn add_words(&self, scene: &mut Scene) {
+        let (left, right) = (LEFT, self.width - RIGHT);
+        let (top, bottom) = (TOP, self.height - self.bottom());
+        write(scene, &self.heading, (left, top - 6.0), pen::LABEL_SIZE, TextAnchor::Start, false);
+        if self.label_x {
+            let at = (0.5 * (left + right), bottom + 30.0);
+            write(scene, &self.x.label, at, pen::LABEL_SIZE, TextAnchor::Middle, false);
+        }
+        if self.label_y {
+            let at = (13.0, 0.5 * (top + bottom));
+            write(scene, &self.y.label, at, pen::LABEL_SIZE, TextAnchor::Middle, true);
+        }
+        if self.curves.iter().all(|curve| curve.points.iter().all(|(_, y)| y.is_none())) {
+            let at = (0.5 * (left + right), 0.5 * (top + bottom));
+            write(scene, "no solution", at, pen::TICK_SIZE, TextAnchor::Middle, false);
+        }
+    }
+}
+
+fn blank() -> std::sync::Arc<dyn Fn(f64) -> String + Send + Sync> {
+    std::sync::Arc::new(|_| String::new())
+}
+
+/// Leaves out points that no print would resolve; the ends stay.
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for (i, &(x, y)) in points.iter().enumerate() {
+        let far = kept.last().is_none_or(|&(u, v)| (x - u).hypot(y - v) >= FINEST);
+        if far || i + 1 == points.len() {
+            kept.push((x, y));
+        }
+    }
+    kept
+}
+
+fn stroke(scene: &mut Scene, (x1, y1): (f64, f64), (x2, y2): (f64, f64)) {
+    scene.add(Primitive::Line {
+        x1,
+        y1,
+        x2,
+        y2,
+        stroke: Color::from(pen::FRAME),
+        stroke_width: pen::FRAME_WIDTH,
+        stroke_dasharray: None,
+    });
+}
+
+/// Writes `text` with its baseline at `(x, y)`, upwards when `vertical`.
+pub(super) fn write(
+    scene: &mut Scene,
+    text: &str,
+    (x, y): (f64, f64),
+    size: u32,
+    anchor: TextAnchor,
+    vertical: bool,
+) {
+    scene.add(Primitive::Text {
+        x,
+        y,
+        content: text.to_owned(),
+        size,
+        anchor,
+        rotate: vertical.then_some(-90.0),
+        bold: false,
+        color: None,
+    });
+}

@@ -1,0 +1,37 @@
+//! Strokes and type sizes of all figures: chosen to survive grey print at column width.
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Pen {
+    pub(super) color: &'static str,
+    /// In px (1/96 in).
+    pub(super) width: f64,
+    /// Dash lengths; `None` is solid.
+    pub(super) dash: Option<&'static str>,
+}
+
+/// What the figure is about: dark and solid.
+pub(super) const MAIN: Pen = Pen { color: "#12397a", width: 1.4, dash: None };
+/// What it is compared with: lighter in grey print, dash-dotted.
+pub(super) const REFERENCE: Pen = Pen { color: "#d2691e", width: 1.2, dash: Some("6 2 1.5 2") };
+/// A fit over its data: dashed.
+pub(super) const FIT: Pen = Pen { color: "#d2691e", width: 1.4, dash: Some("5 2.2") };
+/// Raw data behind everything.
+pub(super) const FAINT: Pen = Pen { color: "#b8b8b8", width: 0.6, dash: None };
+/// Stretches of the abscissa that deserve a remark.
+pub(super) const RUG: Pen = Pen { color: "#9a9a9a", width: 2.4, dash: None };
+
+/// Frame and ticks.
+pub(super) const FRAME: &str = "#000000";
+pub(super) const FRAME_WIDTH: f64 = 0.8;
+pub(super) const TICK: f64 = 4.5;
+pub(super) const MINOR_TICK: f64 = 2.5;
+
+/// Type sizes in px: 8.25 pt, 7.5 pt.
+pub(super) const LABEL_SIZE: u32 = 11;
+pub(super) const TICK_SIZE: u32 = 10;
+
+/// Width of `text` in px, a little generous: the average advance of DejaVu Sans is 0.59 em.
+pub(super) fn text_width(text: &str, size: u32) -> f64 {
+    0.61 * f64::from(size) * text.chars().count() as f64
+}
