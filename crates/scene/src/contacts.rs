@@ -39,10 +39,19 @@ fn read_one(node: &Node, dofs: &Dofs, base: &Path, all: &mut Contacts) -> Result
         (Some(between), None) => vec![(name.to_owned(), pair(&between, dofs)?)],
         (None, Some(pairs)) => {
             let named = |(i, node): (usize, &Node)| Ok((format!("{name}[{i}]"), pair(node, dofs)?));
-            pairs.some("of pairs of dofs")?.iter().enumerate().map(named).collect::<Result<_, SceneError>>()?
+            pairs
+                .some("of pairs of dofs")?
+                .iter()
+                .enumerate()
+                .map(named)
+                .collect::<Result<_, SceneError>>()?
         }
-        (Some(_), Some(pairs)) => return Err(pairs.error("is one too many beside \"between\"; keep one of them")),
-        (None, None) => return Err(entry.need("between", form).err().unwrap_or_else(|| entry.error("has no bodies"))),
+        (Some(_), Some(pairs)) => {
+            return Err(pairs.error("is one too many beside \"between\"; keep one of them"));
+        }
+        (None, None) => {
+            return Err(entry.need("between", form).err().unwrap_or_else(|| entry.error("has no bodies")));
+        }
     };
     let scale = entry.get("scale").map_or(Ok(1.0), |scale| scale.positive())?;
     let law = law::read(&entry.need("law", "{\"type\": …}")?, base)?;
@@ -68,7 +77,8 @@ fn pair(node: &Node, dofs: &Dofs) -> Result<(usize, Option<usize>), SceneError> 
     };
     let grounded = |node: &Node| node.text("the name of a dof").is_ok_and(|name| name == GROUND);
     if grounded(first) {
-        return Err(first.error("put the dof first: the law acts on the displacement of the first against the second"));
+        return Err(first
+            .error("put the dof first: the law acts on the displacement of the first against the second"));
     }
     let a = dofs.index(first)?;
     if grounded(second) {

@@ -15,7 +15,8 @@ pub(crate) fn read(node: &Node, dofs: &Dofs) -> Result<Vec<Excitation>, SceneErr
 }
 
 fn read_one(node: &Node, dofs: &Dofs) -> Result<Excitation, SceneError> {
-    let entry = node.object("dof, amplitude and, where they differ from the usual, harmonic, phase, kind", &KEYS)?;
+    let entry =
+        node.object("dof, amplitude and, where they differ from the usual, harmonic, phase, kind", &KEYS)?;
     let kind = match entry.get("kind") {
         Some(kind) => kind.choice(&[
             ("force", ExcitationKind::Force),
@@ -30,7 +31,8 @@ fn read_one(node: &Node, dofs: &Dofs) -> Result<Excitation, SceneError> {
     } else {
         dofs.index(&entry.need("dof", "the name of the excited dof")?)?
     };
-    let amplitude = entry.need("amplitude", "1.0, in N (force), m/s² (base) or kg m (unbalance)")?.number()?;
+    let amplitude =
+        entry.need("amplitude", "1.0, in N (force), m/s² (base) or kg m (unbalance)")?.number()?;
     let harmonic = entry.get("harmonic").map_or(Ok(1), |node| node.whole(0, MOST_HARMONICS))?;
     let phase = entry.get("phase").map_or(Ok(0.0), |node| node.number())?;
     Ok(Excitation { dof, harmonic, amplitude, phase, kind })

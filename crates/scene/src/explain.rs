@@ -37,7 +37,9 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     steps.push(match (settings.start, points) {
         (Start::March, _) => step("parallel sweep", false, "marching needs the point before"),
         (Start::Ladder, 1) => step("parallel sweep", false, "there is one point"),
-        (Start::Ladder, _) => step("parallel sweep", true, format!("{points} points do not depend on each other")),
+        (Start::Ladder, _) => {
+            step("parallel sweep", true, format!("{points} points do not depend on each other"))
+        }
     });
     steps.push(if settings.all_solutions {
         step("other solutions", true, "asked for; they are listed where they are known")
@@ -60,7 +62,11 @@ fn period(facts: &PlanFacts) -> Step {
     let what = "reduction of the period";
     match facts.fundamental {
         0 | 1 => step(what, false, "the excitation has the period of Ω"),
-        f => step(what, true, format!("only multiples of harmonic {f} are excited: the period is {f} times shorter")),
+        f => step(
+            what,
+            true,
+            format!("only multiples of harmonic {f} are excited: the period is {f} times shorter"),
+        ),
     }
 }
 
@@ -78,7 +84,9 @@ fn condensation(facts: &PlanFacts, output: usize) -> Step {
     match facts.condensed_dofs {
         0 => step(what, false, "every dof carries a contact"),
         1 => step(what, true, format!("1 dof carries no contact; {output} output dof(s) are recovered")),
-        count => step(what, true, format!("{count} dofs carry no contact; {output} output dof(s) are recovered")),
+        count => {
+            step(what, true, format!("{count} dofs carry no contact; {output} output dof(s) are recovered"))
+        }
     }
 }
 
@@ -102,13 +110,19 @@ fn iteration(facts: &PlanFacts, jacobian: Jacobian) -> Vec<Step> {
         return vec![step(newton, false, "the scene is linear: one solve a frequency")];
     }
     if facts.scalar {
-        return vec![step(newton, false, "one contact, one harmonic: all roots of one real equation are found")];
+        return vec![step(
+            newton,
+            false,
+            "one contact, one harmonic: all roots of one real equation are found",
+        )];
     }
     vec![
         step(newton, true, format!("{} real unknowns", facts.unknowns)),
         match jacobian {
             Jacobian::Analytic => step(derivative, true, "the usual choice; exact and cheap"),
-            Jacobian::Difference => step(derivative, false, "the scene asks for differences (solver.jacobian)"),
+            Jacobian::Difference => {
+                step(derivative, false, "the scene asks for differences (solver.jacobian)")
+            }
         },
     ]
 }

@@ -76,10 +76,13 @@ impl Frequencies {
             (Some(points), None) => {
                 let count = points.whole(1, MOST_POINTS)?;
                 if count == 1 && from != to {
-                    return Err(points.error(format!("one point cannot reach from {from} to {to} Hz; write 2 or more")));
+                    return Err(points
+                        .error(format!("one point cannot reach from {from} to {to} Hz; write 2 or more")));
                 }
                 if count > 1 && from == to {
-                    return Err(points.error(format!("{count} points, but \"from\" and \"to\" are both {from} Hz")));
+                    return Err(
+                        points.error(format!("{count} points, but \"from\" and \"to\" are both {from} Hz"))
+                    );
                 }
                 Ok(Self::range(from, to, count, spacing))
             }
@@ -98,7 +101,9 @@ impl Frequencies {
         // A step that should fall on the end must not miss it by rounding.
         let count = ((to - from).abs() / step * (1.0 + 1e-12)).floor() + 1.0;
         if count > MOST_POINTS as f64 {
-            let problem = format!("makes more than {MOST_POINTS} points between {from} and {to} Hz; write a larger one");
+            let problem = format!(
+                "makes more than {MOST_POINTS} points between {from} and {to} Hz; write a larger one"
+            );
             return Err(node.error(problem));
         }
         let signed = if to < from { -step } else { step };
@@ -111,7 +116,9 @@ impl Frequencies {
             return Err(node.error("must not be empty"));
         }
         if list.len() > MOST_POINTS {
-            return Err(node.error(format!("must have at most {MOST_POINTS} frequencies, got {}", list.len())));
+            return Err(
+                node.error(format!("must have at most {MOST_POINTS} frequencies, got {}", list.len()))
+            );
         }
         match list.iter().position(|frequency| *frequency < 0.0) {
             Some(i) => {
@@ -141,7 +148,9 @@ impl FromStr for Frequencies {
 
     /// Reads `FROM:TO:POINTS` or `FROM:TO:POINTS:log`.
     fn from_str(text: &str) -> Result<Self, BadFrequencies> {
-        let refuse = |why: String| Err(BadFrequencies(format!("{why}; write FROM:TO:POINTS[:log], for example 20:200:721")));
+        let refuse = |why: String| {
+            Err(BadFrequencies(format!("{why}; write FROM:TO:POINTS[:log], for example 20:200:721")))
+        };
         let parts: Vec<&str> = text.split(':').map(str::trim).collect();
         let (from, to, points, spacing) = match parts.as_slice() {
             [from, to, points] | [from, to, points, "linear"] => (from, to, points, Spacing::Linear),
@@ -217,8 +226,22 @@ mod tests {
         assert_eq!(short.0, read(r#"{"from": 20, "to": 200, "points": 721}"#).unwrap());
         let log: Frequencies = "1:100:3:log".parse().unwrap();
         assert_eq!(log.0, read(r#"{"from": 1, "to": 100, "points": 3, "spacing": "log"}"#).unwrap());
-        for text in ["", "1:2", "0:2:3", "1:2:1", "1:1:2", "a:2:3", "1:inf:3", "1:2:3:cubic", "1:2:99999999999", "1:2:-3"] {
-            assert!(text.parse::<Frequencies>().unwrap_err().to_string().contains("FROM:TO:POINTS"), "{text}");
+        for text in [
+            "",
+            "1:2",
+            "0:2:3",
+            "1:2:1",
+            "1:1:2",
+            "a:2:3",
+            "1:inf:3",
+            "1:2:3:cubic",
+            "1:2:99999999999",
+            "1:2:-3",
+        ] {
+            assert!(
+                text.parse::<Frequencies>().unwrap_err().to_string().contains("FROM:TO:POINTS"),
+                "{text}"
+            );
         }
     }
 }

@@ -37,7 +37,10 @@ pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
         let any = [&SCALED_LOOP_KEYS[..], &ELASTIC_COULOMB_KEYS, &SPRING_KEYS].concat();
         node.object("type and its parameters", &any)?;
         let types = LAWS.map(|law| format!("{law:?}")).join(", ");
-        return Err(SceneError::entry(&below(node.path(), "type"), format!("is missing; write one of {types}")));
+        return Err(SceneError::entry(
+            &below(node.path(), "type"),
+            format!("is missing; write one of {types}"),
+        ));
     };
     let name = kind.text("the name of a law")?;
     let law: Arc<dyn Law> = match name {
@@ -57,7 +60,9 @@ pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
         "linear" => {
             let law = node.object("a linear spring", &SPRING_KEYS)?;
             let stiffness = law.need("stiffness", "1e6, in N/m")?.number()?;
-            Arc::new(Linear::new(LinearParameters { stiffness }).map_err(|error| refused(node.path(), error))?)
+            Arc::new(
+                Linear::new(LinearParameters { stiffness }).map_err(|error| refused(node.path(), error))?,
+            )
         }
         _ if PLANNED.contains(&name) => {
             let problem = format!("the law {name:?} is {NOT_YET}; known are {}", LAWS.join(", "));
@@ -65,7 +70,11 @@ pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
         }
         _ => {
             let hint = suggestion(name, &LAWS);
-            let known = if hint.starts_with("known") { String::new() } else { format!(" Known are {}", LAWS.join(", ")) };
+            let known = if hint.starts_with("known") {
+                String::new()
+            } else {
+                format!(" Known are {}", LAWS.join(", "))
+            };
             return Err(kind.error(format!("there is no law {name:?}; {hint}{known}")));
         }
     };
@@ -82,7 +91,9 @@ fn scaled_loop(law: &Object, base: &Path) -> Result<ReadLaw, SceneError> {
     let symmetry = law.get("symmetric").map_or(Ok(Symmetry::Auto), |node| match node.flag() {
         Some(true) => Ok(Symmetry::Odd),
         Some(false) => Ok(Symmetry::Full),
-        None => node.choice(&[("auto", Symmetry::Auto)]).map_err(|_| node.error("must be \"auto\", true or false")),
+        None => node
+            .choice(&[("auto", Symmetry::Auto)])
+            .map_err(|_| node.error("must be \"auto\", true or false")),
     })?;
     let place = |error: ParameterError| refused(law.path(), error);
     let form = "{\"file\": \"record.csv\"} or {\"displacement\": 8e-6, \"force\": 12.0}";
@@ -92,7 +103,8 @@ fn scaled_loop(law: &Object, base: &Path) -> Result<ReadLaw, SceneError> {
             Ok(ReadLaw { law: Arc::new(law), notes: Vec::new() })
         }
         MeasuredLoop::Series { hysteresis_loop, noise, mut notes } => {
-            let scaled = ScaledLoop::new(&hysteresis_loop, noise, magnitude, phase, symmetry).map_err(place)?;
+            let scaled =
+                ScaledLoop::new(&hysteresis_loop, noise, magnitude, phase, symmetry).map_err(place)?;
             notes.extend(loops::notes(&hysteresis_loop, noise, &scaled));
             Ok(ReadLaw { law: Arc::new(scaled), notes })
         }

@@ -40,7 +40,7 @@ mod solver;
 pub use error::SceneError;
 pub use explain::Step;
 pub use frequencies::{BadFrequencies, Frequencies};
-pub use hbm::SweepOptions as RunOptions;
+pub use hbm::{SweepOptions as RunOptions, Waveform};
 pub use outcome::{ContactPoint, Named, Outcome, Point, Spectrum, Timing};
 pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Prepared, Solved};

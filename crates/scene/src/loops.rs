@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use contact::{Law, ScaledLoop};
-use hysteresis::{Column, Columns, FitSettings, ForceSign, Loop, ReadOptions, Record, Units};
+use hysteresis::{Column, Columns, FitSettings, ForceSign, Loop, Note, ReadOptions, Record, Units};
 use num_complex::Complex64;
 
 use crate::error::SceneError;
@@ -30,7 +30,10 @@ pub(crate) enum MeasuredLoop {
 pub(crate) fn read(node: &Node, base: &Path) -> Result<MeasuredLoop, SceneError> {
     let entry = node.object("file, or displacement with force or harmonics", &KEYS)?;
     if let Some(file) = entry.get("file") {
-        entry.without(&["displacement", "force", "harmonics"], "is one too many beside \"file\"; keep one of them")?;
+        entry.without(
+            &["displacement", "force", "harmonics"],
+            "is one too many beside \"file\"; keep one of them",
+        )?;
         return read_record(&entry, &file, base);
     }
     entry.without(&["columns", "units", "force_sign"], "belongs to a \"file\", and there is none")?;
@@ -84,7 +87,9 @@ fn read_record(entry: &Object, file: &Node, base: &Path) -> Result<MeasuredLoop,
     let record = Record::read(&path, &options).map_err(|error| file.error(error.to_string()))?;
     let fit = hysteresis::fit(&record, &FitSettings::default())
         .map_err(|error| file.error(format!("{}: {error}", path.display())))?;
-    let notes = fit.notes.iter().map(|note| format!("loop: {note}")).collect();
+    // What becomes of even harmonics is said below; which harmonics were kept is said by `loop fit`.
+    let telling = |note: &&Note| !matches!(note, Note::Asymmetric { .. } | Note::Harmonics { .. });
+    let notes = fit.notes.iter().filter(telling).map(ToString::to_string).collect();
     Ok(MeasuredLoop::Series { hysteresis_loop: fit.hysteresis_loop, noise: fit.noise, notes })
 }
 
@@ -112,8 +117,11 @@ fn read_units(node: &Node) -> Result<Units, SceneError> {
     })
 }
 
-fn read_unit<U: std::str::FromStr<Err: std::fmt::Display>>(node: Option<Node>) -> Result<Option<U>, SceneError> {
-    let parse = |node: Node| node.text("a unit")?.parse().map_err(|error: U::Err| node.error(error.to_string()));
+fn read_unit<U: std::str::FromStr<Err: std::fmt::Display>>(
+    node: Option<Node>,
+) -> Result<Option<U>, SceneError> {
+    let parse =
+        |node: Node| node.text("a unit")?.parse().map_err(|error: U::Err| node.error(error.to_string()));
     node.map(parse).transpose()
 }
 

@@ -85,7 +85,8 @@ fn read_damping(node: &Node, n: usize) -> Result<Damping, SceneError> {
             })
         }
         (None, Some(ratio)) => Ok(Damping::ModalRatio(ratio.not_negative()?)),
-        _ => Err(damping.error("write one of {\"rayleigh\": {\"mass\": a, \"stiffness\": b}} and {\"modal_ratio\": ζ}")),
+        _ => Err(damping
+            .error("write one of {\"rayleigh\": {\"mass\": a, \"stiffness\": b}} and {\"modal_ratio\": ζ}")),
     }
 }
 

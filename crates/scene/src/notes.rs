@@ -8,7 +8,8 @@ use crate::scene::Scene;
 pub(crate) fn all(scene: &Scene, solutions: &[Solution]) -> Vec<String> {
     let mut notes = scene.notes.clone();
     for (i, name) in scene.contacts().enumerate() {
-        let left = |solution: &&Solution| solution.contacts.get(i).is_some_and(|contact| contact.extrapolated);
+        let left =
+            |solution: &&Solution| solution.contacts.get(i).is_some_and(|contact| contact.extrapolated);
         if let Some(note) = span(solutions.iter().filter(left)) {
             notes.push(format!(
                 "contact {name:?} moves further than its loop was measured at {note}; the law is extrapolated there"

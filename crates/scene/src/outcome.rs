@@ -124,7 +124,11 @@ impl Serialize for Line {
         let mut line = serializer.serialize_tuple(3)?;
         line.serialize_element(&self.0)?;
         line.serialize_element(&self.1.re)?;
-        if self.0 == 0 { line.serialize_element(&0)? } else { line.serialize_element(&self.1.im)? }
+        if self.0 == 0 {
+            line.serialize_element(&0)?
+        } else {
+            line.serialize_element(&self.1.im)?
+        }
         line.end()
     }
 }

@@ -98,7 +98,9 @@ impl<'a> Node<'a> {
 
     pub(crate) fn text(&self, what: &str) -> Result<&'a str, SceneError> {
         match self.json {
-            Json::Text(text) if text.is_empty() => Err(self.error(format!("must be {what}, got an empty text"))),
+            Json::Text(text) if text.is_empty() => {
+                Err(self.error(format!("must be {what}, got an empty text")))
+            }
             Json::Text(text) => Ok(text),
             _ => Err(self.must_be(what)),
         }
@@ -121,12 +123,20 @@ impl<'a> Node<'a> {
 
     pub(crate) fn positive(&self) -> Result<f64, SceneError> {
         let number = self.number()?;
-        if number > 0.0 { Ok(number) } else { Err(self.error(format!("must be positive, got {}", show(number)))) }
+        if number > 0.0 {
+            Ok(number)
+        } else {
+            Err(self.error(format!("must be positive, got {}", show(number))))
+        }
     }
 
     pub(crate) fn not_negative(&self) -> Result<f64, SceneError> {
         let number = self.number()?;
-        if number >= 0.0 { Ok(number) } else { Err(self.error(format!("must not be negative, got {}", show(number)))) }
+        if number >= 0.0 {
+            Ok(number)
+        } else {
+            Err(self.error(format!("must not be negative, got {}", show(number))))
+        }
     }
 
     /// A whole number within the limits.
@@ -187,7 +197,11 @@ fn member<'a>(members: &'a [(String, Json)], path: &str, key: &str) -> Option<No
 
 /// A number as a reader would write it.
 pub(crate) fn show(number: f64) -> String {
-    if number == 0.0 || (1e-4..1e9).contains(&number.abs()) { number.to_string() } else { format!("{number:e}") }
+    if number == 0.0 || (1e-4..1e9).contains(&number.abs()) {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
 }
 
 /// "did you mean …?" or the list of what is known.
@@ -225,6 +239,12 @@ mod tests {
         assert_eq!(items[6].positive().unwrap_err().to_string(), "[6]: must be positive, got -2");
         assert!(items[2].some("of things").is_err());
         assert!(items[3].text("a name").unwrap_err().to_string().contains("an object"));
-        assert!(items[4].choice(&[("a", 1), ("b", 2)]).unwrap_err().to_string().contains("\"a\" or \"b\", got null"));
+        assert!(
+            items[4]
+                .choice(&[("a", 1), ("b", 2)])
+                .unwrap_err()
+                .to_string()
+                .contains("\"a\" or \"b\", got null")
+        );
     }
 }

@@ -96,16 +96,17 @@ pub fn peaks(curve: &[(f64, Option<f64>)]) -> Vec<Peak> {
             return None;
         };
         let amplitude = (*here)?;
-        (amplitude > (*before)? && amplitude >= (*after)?).then_some(Peak { frequency: *frequency, amplitude })
+        (amplitude > (*before)? && amplitude >= (*after)?)
+            .then_some(Peak { frequency: *frequency, amplitude })
     };
     curve.windows(3).filter_map(top).collect()
 }
 
 /// The highest point of a curve, its ends included.
 pub fn highest(curve: &[(f64, Option<f64>)]) -> Option<Peak> {
-    let points = curve.iter().filter_map(|(frequency, amplitude)| {
-        Some(Peak { frequency: *frequency, amplitude: (*amplitude)? })
-    });
+    let points = curve
+        .iter()
+        .filter_map(|(frequency, amplitude)| Some(Peak { frequency: *frequency, amplitude: (*amplitude)? }));
     points.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
 }
 

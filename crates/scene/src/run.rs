@@ -42,9 +42,9 @@ impl<'s> Prepared<'s> {
         Solved { prepared: self, sweep, solve: began.elapsed() }
     }
 
-    /// Harmonics of Ω that can be other than zero.
-    pub fn orders(&self) -> &[usize] {
-        self.plan.orders()
+    /// How many frequencies there are to solve.
+    pub fn points(&self) -> usize {
+        self.scene.frequencies.as_slice().len()
     }
 }
 

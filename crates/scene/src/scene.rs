@@ -187,7 +187,8 @@ fn usual_output(problem: &Problem, n: usize) -> Vec<usize> {
         return (0..n).collect();
     }
     let touched = problem.contacts.iter().flat_map(|contact| [Some(contact.first), contact.second]);
-    let shaken = problem.excitation.iter().filter(|e| e.kind != hbm::ExcitationKind::Base).map(|e| Some(e.dof));
+    let shaken =
+        problem.excitation.iter().filter(|e| e.kind != hbm::ExcitationKind::Base).map(|e| Some(e.dof));
     let mut output: Vec<usize> = touched.chain(shaken).flatten().collect();
     output.sort_unstable();
     output.dedup();

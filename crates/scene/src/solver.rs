@@ -38,7 +38,8 @@ fn read_harmonics(node: &Node) -> Result<usize, SceneError> {
         return node.whole(1, MOST_HARMONICS);
     }
     node.object("tolerance and max", &ADAPTIVE_KEYS)?;
-    Err(node.error(format!("as many harmonics as each point needs is {NOT_YET}; write a number, for example 15")))
+    Err(node
+        .error(format!("as many harmonics as each point needs is {NOT_YET}; write a number, for example 15")))
 }
 
 /// Checks a number of harmonics that does not come from a scene's text.
