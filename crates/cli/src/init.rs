@@ -1,7 +1,6 @@
 //! `stickslip init`: example scenes to start from.
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 
 use clap::ValueEnum;

@@ -54,7 +54,7 @@ fn heading(outcome: &Outcome) -> String {
 
 fn peaks(responses: &Responses) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY).set_content_arrangement(ContentArrangement::Disabled);
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_content_arrangement(ContentArrangement::Disabled);
     let amplitude = format!("|W_{}| [m]", responses.harmonic);
     let without = format!("{amplitude} without");
     table.set_header(["dof", "peak [Hz]", &amplitude, "without contact forces [Hz]", &without, "reduction"]);
