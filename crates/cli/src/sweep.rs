@@ -27,6 +27,9 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     let mut scene = arguments.scene.read()?;
     if let Some(frequency) = arguments.at {
         let one = Frequencies::one(frequency).map_err(|error| Failure::input(format!("--at: {error}")))?;
+        if frequency == 0.0 {
+            return Err(Failure::input("--at: at 0 Hz nothing moves; name a positive frequency"));
+        }
         scene = scene.with_frequencies(one);
     }
     if arguments.all_solutions {
@@ -39,14 +42,14 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
         Some(format) => Wanted::Full(Output::open(arguments.output.as_deref())?, format),
         None => Wanted::Table,
     };
-    let motion = arguments.waveform.as_deref().map(|path| Output::open(Some(path))).transpose()?;
+    let period = arguments.waveform.as_deref().map(|path| Output::open(Some(path))).transpose()?;
 
     let solved = solve(&prepared, arguments);
     let outcome = solved.outcome();
     write(result, &solved, &outcome)?;
-    if let Some(output) = motion {
-        match solved.waveform() {
-            Some(period) => waveform::write(output, &scene, &period)?,
+    if let Some(output) = period {
+        match solved.motion() {
+            Some(motion) => waveform::write(output, &scene, &motion)?,
             None => say(format_args!("no waveform was written: the point was not solved")),
         }
     }

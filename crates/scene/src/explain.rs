@@ -138,13 +138,20 @@ fn start(facts: &PlanFacts, start: Start, n: usize) -> Vec<Step> {
         Start::March => step(march, true, "the scene asks for it (solver.start), as in the paper's Fig. 2"),
         Start::Ladder => step(march, false, "every point finds its own start"),
     };
+    let one = "one contact with a closed form: all are found, no initial guess is needed";
     if facts.scalar {
-        return vec![step(scalar, true, "one contact: no initial guess is needed"), march];
+        return vec![step(scalar, true, one), march];
     }
+    let roots = match (facts.scalar_start, start) {
+        (true, Start::Ladder) => step(scalar, true, format!("{one}; they start the ladder")),
+        (true, Start::March) => step(scalar, true, format!("{one}; they start the first point")),
+        (false, _) => step(scalar, false, "no closed form for these contacts and this excitation"),
+    };
     let rungs = facts.ladder.iter().map(usize::to_string).collect::<Vec<_>>().join(" → ");
     let climb = match facts.ladder.len() {
         0 | 1 => step(ladder, false, format!("N = {n} is solved at once")),
-        _ => step(ladder, start == Start::Ladder, format!("N = {rungs}, each the start of the next")),
+        _ if start == Start::March => step(ladder, true, format!("N = {rungs} for the first point")),
+        _ => step(ladder, true, format!("N = {rungs}, each the start of the next")),
     };
-    vec![climb, march]
+    vec![roots, climb, march]
 }

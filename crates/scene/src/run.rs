@@ -1,5 +1,6 @@
 //! A scene made ready: its sweep, its linear response, its motion in time.
 
+use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
 use hbm::{Plan, Solution, Sweep, SweepOptions, Waveform};
@@ -15,6 +16,15 @@ pub struct Prepared<'s> {
     pub(crate) scene: &'s Scene,
     pub(crate) plan: Plan,
     setup: Duration,
+}
+
+/// One period of a solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Instants in s, from 0 up to a period, which is left out.
+    pub time: Vec<f64>,
+    /// Displacements and forces at these instants.
+    pub waveform: Waveform,
 }
 
 /// The solved points of a sweep.
@@ -74,10 +84,13 @@ impl Solved<'_> {
         Responses::new(self)
     }
 
-    /// One period of the first point; `None` when it failed.
-    pub fn waveform(&self) -> Option<Waveform> {
+    /// One period of the first point; `None` when it failed, or when it is static and has no period.
+    pub fn motion(&self) -> Option<Motion> {
         let solution = self.sweep.solutions.first()?;
         let samples = (32 * solution.harmonics).next_power_of_two().max(512);
-        self.prepared.plan.waveform(solution, samples)
+        let waveform = self.prepared.plan.waveform(solution, samples)?;
+        let omega = TAU * solution.frequency;
+        let time = waveform.phase.iter().map(|phase| phase / omega).collect();
+        (omega > 0.0).then_some(Motion { time, waveform })
     }
 }

@@ -9,7 +9,7 @@ pub(crate) const KEYS: [&str; 3] = ["start", "jacobian", "samples"];
 pub(crate) const ADAPTIVE_KEYS: [&str; 2] = ["tolerance", "max"];
 
 /// Harmonics beyond this are a slip of the pen.
-pub(crate) const MOST_HARMONICS: usize = 4096;
+pub(crate) const MOST_HARMONICS: usize = 4095;
 /// Likewise samples a period.
 const MOST_SAMPLES: usize = 1 << 20;
 
