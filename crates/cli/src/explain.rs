@@ -19,10 +19,7 @@ pub fn run(arguments: &ExplainArguments) -> Result<Ending, Failure> {
     let explanation = Explanation { steps: prepared.explain() };
     match arguments.format {
         TextFormat::Text => output::print(&text(scene.name(), &explanation.steps)),
-        TextFormat::Json => {
-            let json = serde_json::to_string_pretty(&explanation).map_err(Failure::input)?;
-            output::print(&(json + "\n"))
-        }
+        TextFormat::Json => output::print_json(&explanation),
     }
 }
 

@@ -43,10 +43,7 @@ pub fn run(arguments: &FitArguments) -> Result<Ending, Failure> {
     let usual = if io::stdout().is_terminal() { TextFormat::Text } else { TextFormat::Json };
     match arguments.format.unwrap_or(usual) {
         TextFormat::Text => output::print(&text(&fit))?,
-        TextFormat::Json => {
-            let json = serde_json::to_string_pretty(&answer(&fit)).map_err(Failure::input)?;
-            output::print(&(json + "\n"))?
-        }
+        TextFormat::Json => output::print_json(&answer(&fit))?,
     };
     if let Some(figure) = figure {
         figure::hysteresis_loop(figure, &record, &fit)?;

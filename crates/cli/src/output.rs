@@ -115,3 +115,9 @@ pub fn print(text: &str) -> Result<Ending, Failure> {
     Output::Stdout.write(|out| out.write_all(text.as_bytes()))?;
     Ok(Ending::Done)
 }
+
+/// Prints a result as JSON.
+pub fn print_json(result: &impl serde::Serialize) -> Result<Ending, Failure> {
+    Output::Stdout.write(|out| scene::write_json(out, result))?;
+    Ok(Ending::Done)
+}

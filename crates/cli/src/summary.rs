@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use scene::{Outcome, Peak, Point, Responses, Solved};
 
 use crate::check::count;
@@ -54,7 +54,9 @@ fn heading(outcome: &Outcome) -> String {
 
 fn peaks(responses: &Responses) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_content_arrangement(ContentArrangement::Disabled);
+    table
+        .load_style(presets::NOTHING.header_separator(LineStyle::none().fill('─').junction('─')))
+        .set_content_arrangement(ContentArrangement::Disabled);
     let amplitude = format!("|W_{}| [m]", responses.harmonic);
     let without = format!("{amplitude} without");
     table.set_header(["dof", "peak [Hz]", &amplitude, "without contact forces [Hz]", &without, "reduction"]);

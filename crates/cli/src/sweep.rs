@@ -78,7 +78,7 @@ fn write(result: Wanted, solved: &Solved, outcome: &Outcome) -> Result<(), Failu
         Wanted::Full(output, format) => (output, format),
     };
     output.write(|out| match format {
-        Format::Json => outcome.write_json(out),
+        Format::Json => scene::write_json(out, outcome),
         Format::Csv => outcome.write_csv(out),
     })?;
     for note in &outcome.notes {

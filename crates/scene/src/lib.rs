@@ -12,7 +12,7 @@
 //!     println!("{} {}: {}", if step.used { "+" } else { "-" }, step.what, step.why);
 //! }
 //! let outcome = prepared.solve(&RunOptions::default()).outcome(); // plain data
-//! outcome.write_json(std::io::stdout())?;
+//! scene::write_json(std::io::stdout(), &outcome)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -26,6 +26,7 @@ mod explain;
 mod frequencies;
 mod json;
 mod law;
+mod layout;
 mod loops;
 mod model;
 mod notes;
@@ -41,6 +42,7 @@ pub use error::SceneError;
 pub use explain::Step;
 pub use frequencies::{BadFrequencies, Frequencies};
 pub use hbm::SweepOptions as RunOptions;
+pub use layout::write_json;
 pub use outcome::{ContactPoint, Named, Outcome, Point, Spectrum, Timing};
 pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Motion, Prepared, Solved};

@@ -18,6 +18,9 @@ const MOST_HARMONICS: usize = 4096;
 /// Difference in rad between a loop's phase and eq. (7) that is worth a word.
 const PHASE_MISMATCH: f64 = 0.02;
 
+/// Scatter relative to |F_1| that is worth a word.
+const SCATTER: f64 = 1e-3;
+
 /// A loop as a scene gives it.
 pub(crate) enum MeasuredLoop {
     /// Displacement amplitude in m and first force harmonic in N.
@@ -128,7 +131,7 @@ fn read_unit<U: std::str::FromStr<Err: std::fmt::Display>>(
 /// What a user should know about a loop under the paper's law.
 pub(crate) fn notes(measured: &Loop, noise: f64, law: &ScaledLoop) -> Vec<String> {
     let mut notes = Vec::new();
-    if noise > 0.0 {
+    if noise > SCATTER {
         notes.push(format!("the record scatters by {:.2} % of |F_1| about its mean cycle", 100.0 * noise));
     }
     let even = measured.even_content();

@@ -1,4 +1,4 @@
-//! The result of a sweep as plain data, and its two written forms: JSON and long CSV.
+//! The result of a sweep as plain data for JSON, and its other written form, long CSV.
 
 use std::io::{self, Write};
 
@@ -157,15 +157,6 @@ impl Outcome {
             points: solved.solutions().iter().map(|solution| names.point(solution, names.others)).collect(),
             timing,
         }
-    }
-
-    /// Writes the result as JSON.
-    ///
-    /// # Errors
-    /// When `out` cannot be written.
-    pub fn write_json(&self, mut out: impl Write) -> io::Result<()> {
-        serde_json::to_writer_pretty(&mut out, self).map_err(io::Error::from)?;
-        out.write_all(b"\n")
     }
 
     /// Writes the displacements as long CSV, one line a harmonic; a failed point has one line with empty values.

@@ -48,6 +48,10 @@ pub struct Resonance {
 }
 
 impl Resonance {
+    fn frequency(&self) -> f64 {
+        self.contact.or(self.linear).map_or(0.0, |peak| peak.frequency)
+    }
+
     /// 1 − amplitude with contacts / amplitude without.
     pub fn reduction(&self) -> Option<f64> {
         Some(1.0 - self.contact?.amplitude / self.linear?.amplitude)
@@ -78,15 +82,30 @@ impl Responses {
 }
 
 impl Response {
-    /// The resonances in the order of frequency: peak by peak where both curves have as many, else the highest alone.
+    /// The resonances in the order of frequency. A peak with contacts belongs to the nearest one without that no
+    /// nearer peak has taken; a curve without a peak shows its highest point.
     pub fn resonances(&self) -> Vec<Resonance> {
-        let (contact, linear) = (peaks(&self.contact), peaks(&self.linear));
-        if contact.len() == linear.len() && !contact.is_empty() {
-            let pairs = contact.into_iter().zip(linear);
-            return pairs.map(|(c, l)| Resonance { contact: Some(c), linear: Some(l) }).collect();
+        let (mut contact, mut linear) = (peaks(&self.contact), peaks(&self.linear));
+        if contact.is_empty() && linear.is_empty() {
+            return vec![Resonance { contact: highest(&self.contact), linear: highest(&self.linear) }];
         }
-        vec![Resonance { contact: highest(&self.contact), linear: highest(&self.linear) }]
+        let mut resonances = Vec::new();
+        while let Some((i, j)) = nearest(&contact, &linear) {
+            resonances.push(Resonance { contact: Some(contact.remove(i)), linear: Some(linear.remove(j)) });
+        }
+        resonances.extend(contact.into_iter().map(|peak| Resonance { contact: Some(peak), linear: None }));
+        resonances.extend(linear.into_iter().map(|peak| Resonance { contact: None, linear: Some(peak) }));
+        resonances.sort_by(|a, b| a.frequency().total_cmp(&b.frequency()));
+        resonances
     }
+}
+
+/// The pair of peaks whose frequencies differ least, by ratio.
+fn nearest(contact: &[Peak], linear: &[Peak]) -> Option<(usize, usize)> {
+    let distance = |c: &Peak, l: &Peak| (c.frequency / l.frequency).ln().abs();
+    let row = |(i, c)| linear.iter().enumerate().map(move |(j, l)| (distance(c, l), (i, j)));
+    let pairs = contact.iter().enumerate().flat_map(row);
+    pairs.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, pair)| pair)
 }
 
 /// Local maxima inside the range, in the order of the curve. Where a point is missing nothing is known.
@@ -128,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn resonances_are_paired_when_there_are_as_many() {
+    fn resonances_are_paired_by_nearness() {
         let response = |contact: &[f64], linear: &[f64]| Response {
             dof: "w".into(),
             contact: curve(contact),
@@ -137,7 +156,8 @@ mod tests {
         let two = response(&[0.0, 1.0, 0.0, 2.0, 0.0], &[0.0, 4.0, 0.0, 4.0, 0.0]).resonances();
         assert_eq!(two.iter().map(|r| r.reduction().unwrap()).collect::<Vec<_>>(), [0.75, 0.5]);
         let one = response(&[0.0, 1.0, 1.5, 2.0, 0.0], &[0.0, 4.0, 0.0, 4.5, 0.0]).resonances();
-        assert_eq!(one.len(), 1);
-        assert_eq!(one[0].linear.unwrap().amplitude, 4.5);
+        assert_eq!(one.iter().map(|r| r.contact.map(|p| p.frequency)).collect::<Vec<_>>(), [None, Some(3.0)]);
+        let none = response(&[1.0, 2.0], &[2.0, 1.0]).resonances();
+        assert_eq!(none[0].reduction(), Some(0.0));
     }
 }
