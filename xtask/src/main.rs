@@ -1,2 +1,31 @@
-//! xtask
-fn main() {}
+//! The workshop of stickslip: `cargo xtask COMMAND`.
+
+mod ci;
+mod reference_loop;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+
+const USAGE: &str = "usage: cargo xtask COMMAND
+
+  ci                       every check of a change: format, lints, documentation, tests, the README's commands
+  reference-loop           writes scenes/loops/reference.csv
+  reference-loop --check   fails unless that file is what the command writes";
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words.as_slice() {
+        ["ci"] => ci::run(&root()),
+        ["reference-loop"] => reference_loop::write(&root()),
+        ["reference-loop", "--check"] => reference_loop::check(&root()),
+        _ => bail!("{USAGE}"),
+    }
+}
+
+/// The folder of the workspace.
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_path_buf()
+}
