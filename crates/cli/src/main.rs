@@ -1,2 +1,57 @@
-//! The `stickslip` command line.
-fn main() {}
+//! The `stickslip` command line: one command a file, one result mapped to one exit code.
+
+mod arguments;
+mod check;
+mod ending;
+mod explain;
+mod figure;
+mod init;
+mod loop_fit;
+mod manual;
+mod output;
+#[cfg(feature = "plot")]
+mod plot;
+mod progress;
+mod summary;
+mod sweep;
+mod waveform;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::arguments::{Arguments, Command, LoopCommand};
+use crate::ending::{Ending, Failure, say};
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version arrive here too, with code 0; a closed pipe is no failure.
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    match run(&arguments.command) {
+        Ok(ending) => ending.code(),
+        Err(failure) => {
+            if let Some(message) = failure.message() {
+                say(format_args!("error: {message}"));
+            }
+            failure.code()
+        }
+    }
+}
+
+fn run(command: &Command) -> Result<Ending, Failure> {
+    match command {
+        Command::Sweep(arguments) => sweep::run(arguments),
+        Command::Explain(arguments) => explain::run(arguments),
+        Command::Check(arguments) => check::run(arguments),
+        Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
+        Command::Init(arguments) => init::run(arguments),
+        Command::Schema => output::print(scene::SCHEMA),
+        Command::Completions { shell } => manual::completions(*shell),
+        Command::Man { command } => manual::page(command.as_deref()),
+    }
+}

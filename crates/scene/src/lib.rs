@@ -1,1 +1,50 @@
-//! scene
+//! Scenes: what a user writes down, and what comes back.
+//!
+//! A scene is a JSON file with a model, its excitation, its contacts and the frequencies of interest. The way through
+//! the crate:
+//!
+//! ```no_run
+//! use scene::{RunOptions, Scene};
+//!
+//! let scene = Scene::from_file("two-mass.json".as_ref())?; // read and checked
+//! let prepared = scene.prepare()?; // what all frequencies share
+//! for step in prepared.explain() {
+//!     println!("{} {}: {}", if step.used { "+" } else { "-" }, step.what, step.why);
+//! }
+//! let outcome = prepared.solve(&RunOptions::default()).outcome(); // plain data
+//! scene::write_json(std::io::stdout(), &outcome)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Every mistake in a scene is a [`SceneError`] with the path of the entry: `contacts[0].law.slip_force: must be
+//! positive, got -1`.
+
+mod contacts;
+mod error;
+mod excitation;
+mod explain;
+mod frequencies;
+mod json;
+mod law;
+mod layout;
+mod loops;
+mod model;
+mod notes;
+mod outcome;
+mod read;
+mod response;
+mod run;
+mod scene;
+mod schema;
+mod solver;
+
+pub use error::SceneError;
+pub use explain::Step;
+pub use frequencies::{BadFrequencies, Frequencies};
+pub use hbm::SweepOptions as RunOptions;
+pub use layout::write_json;
+pub use outcome::{ContactPoint, Named, Outcome, Point, Spectrum, Timing};
+pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
+pub use run::{Motion, Prepared, Solved};
+pub use scene::Scene;
+pub use schema::SCHEMA;

@@ -1,0 +1,254 @@
+//! What can be asked for: commands, flags and their help.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use hysteresis::{Columns, Units};
+use scene::{Frequencies, Scene};
+
+use crate::ending::Failure;
+
+const OVERVIEW: &str = "\
+Examples:
+  stickslip init                                   an example scene, to look at and to change
+  stickslip sweep two-mass.json                    its forced response: peaks, worst points, time
+  stickslip sweep two-mass.json -o response.json   the full result
+  stickslip explain two-mass.json                  what this scene needs, what it leaves out, and why
+  stickslip loop fit record.csv                    what is in a measured loop
+
+Exit codes:
+  0  all points solved               3    the output cannot be written
+  1  some points not solved          130  stopped by Ctrl-C; finished points are kept
+  2  bad scene, record or arguments";
+
+/// Forced response of structures with measured friction loops, by multi-harmonic balance.
+#[derive(Debug, Parser)]
+#[command(version, about, after_help = OVERVIEW, arg_required_else_help = true, propagate_version = true)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Solve a scene at its frequencies
+    #[command(after_help = SWEEP)]
+    Sweep(SweepArguments),
+    /// Say what a scene needs, what it leaves out, and why
+    #[command(after_help = "Example:\n  stickslip explain two-mass.json --harmonics 7")]
+    Explain(ExplainArguments),
+    /// Read and check a scene, nothing else
+    #[command(after_help = "Example:\n  stickslip check two-mass.json && echo fine")]
+    Check(SceneArguments),
+    /// Look at measured friction loops
+    #[command(subcommand, arg_required_else_help = true)]
+    Loop(LoopCommand),
+    /// Write an example scene and its loop into the current folder
+    #[command(after_help = "Example:\n  stickslip init two-mass && stickslip sweep two-mass.json")]
+    Init(InitArguments),
+    /// Print the JSON Schema of a scene, for editors
+    #[command(
+        after_help = "Example:\n  stickslip schema > scene.schema.json\n\nA scene that begins with \"$schema\": \"scene.schema.json\" is then completed and checked while it is written."
+    )]
+    Schema,
+    /// Print the completions of a shell
+    #[command(
+        after_help = "Example:\n  stickslip completions bash > ~/.local/share/bash-completion/completions/stickslip"
+    )]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page
+    #[command(after_help = "Examples:\n  stickslip man | man -l -\n  stickslip man sweep | man -l -")]
+    Man {
+        /// The page of one command
+        command: Option<String>,
+    },
+}
+
+const SWEEP: &str = "\
+To a terminal without -o a short table is printed: peaks, worst points, time. Everything else gets the full result.
+
+Examples:
+  stickslip sweep blade.json
+  stickslip sweep blade.json --harmonics 7 --frequencies 20:200:721 -o response.csv
+  stickslip sweep blade.json --plot response.svg
+  stickslip sweep blade.json --at 57 --waveform motion.csv
+  stickslip sweep blade.json | jq '.points[] | select(.status == \"failed\")'";
+
+/// A scene, and what the command line changes in it.
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    /// The scene's file, JSON
+    pub scene: PathBuf,
+    /// Solve for N harmonics instead of the scene's
+    #[arg(long, value_name = "N")]
+    pub harmonics: Option<usize>,
+    /// Solve at other frequencies than the scene's, in Hz
+    #[arg(long, value_name = "FROM:TO:POINTS[:log]")]
+    pub frequencies: Option<Frequencies>,
+}
+
+impl SceneArguments {
+    /// Reads the scene and changes it as asked for.
+    pub fn read(&self) -> Result<Scene, Failure> {
+        let in_file = |error: scene::SceneError| match error {
+            unreadable @ scene::SceneError::Unreadable { .. } => Failure::input(unreadable),
+            error => Failure::Input(anyhow::Error::new(error).context(self.scene.display().to_string())),
+        };
+        let mut scene = Scene::from_file(&self.scene).map_err(in_file)?;
+        if let Some(harmonics) = self.harmonics {
+            scene = scene.with_harmonics(harmonics).map_err(|error| Failure::input(format!("--{error}")))?;
+        }
+        if let Some(frequencies) = &self.frequencies {
+            scene = scene.with_frequencies(frequencies.clone());
+        }
+        Ok(scene)
+    }
+
+    /// An error that turned up when the scene was made ready.
+    pub fn unsolvable(&self, error: scene::SceneError) -> Failure {
+        Failure::Input(anyhow::Error::new(error).context(self.scene.display().to_string()))
+    }
+}
+
+/// `stickslip sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Threads to use [default: one a core]
+    #[arg(long, value_name = "T")]
+    pub threads: Option<NonZeroUsize>,
+    /// Form of the result [default: by the extension of -o, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<Format>,
+    /// Write the result to FILE, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Draw the response of every output dof, with contacts and without
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub plot: Option<PathBuf>,
+    /// Solve this one frequency instead, for --waveform
+    #[arg(
+        long,
+        value_name = "HZ",
+        requires = "waveform",
+        conflicts_with = "frequencies",
+        allow_negative_numbers = true
+    )]
+    pub at: Option<f64>,
+    /// Write one period in time: displacements and contact forces, CSV
+    #[arg(long, value_name = "FILE.csv", requires = "at")]
+    pub waveform: Option<PathBuf>,
+    /// List every solution where all are known (one contact, one harmonic), not the reported one alone
+    #[arg(long)]
+    pub all_solutions: bool,
+}
+
+/// `stickslip explain`.
+#[derive(Debug, Args)]
+pub struct ExplainArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Form of the answer
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: TextFormat,
+}
+
+/// `stickslip loop …`.
+#[derive(Debug, Subcommand)]
+pub enum LoopCommand {
+    /// Fit the Fourier series over loop phase to a measured record
+    #[command(after_help = FIT)]
+    Fit(FitArguments),
+}
+
+const FIT: &str = "\
+A record is a text table, one sample a line, with names and units in its first line:
+
+  time [s],displacement [um],force [N]
+
+The time is optional. Columns that are not recognised, units that are missing and a force with the wrong sign are given \
+on the command line.
+
+Examples:
+  stickslip loop fit record.csv
+  stickslip loop fit record.csv --plot loop.svg
+  stickslip loop fit rig.txt --columns displacement=2,force=3 --units displacement=in,force=kip --flip-force";
+
+/// `stickslip loop fit`.
+#[derive(Debug, Args)]
+pub struct FitArguments {
+    /// The record, a text table
+    pub file: PathBuf,
+    /// Which column holds what: its name, or its number from 1
+    #[arg(long, value_name = "displacement=2,force=3")]
+    pub columns: Option<Columns>,
+    /// Units of the columns
+    #[arg(long, value_name = "displacement=um,force=N")]
+    pub units: Option<Units>,
+    /// The force is the specimen's reaction: turn its sign
+    #[arg(long)]
+    pub flip_force: bool,
+    /// Draw the averaged cycle and the fitted series
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub plot: Option<PathBuf>,
+    /// Form of the answer [default: text to a terminal, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<TextFormat>,
+}
+
+/// `stickslip init`.
+#[derive(Debug, Args)]
+pub struct InitArguments {
+    /// Which example
+    #[arg(value_enum, default_value = "two-mass")]
+    pub template: Template,
+    /// Replace files that are there already
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Forms of a result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Everything.
+    Json,
+    /// Displacements, one line a harmonic.
+    Csv,
+}
+
+/// Forms of an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TextFormat {
+    /// For readers.
+    Text,
+    /// For programs.
+    Json,
+}
+
+/// Example scenes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Template {
+    /// Blade and root with a measured loop, one harmonic
+    TwoMass,
+    /// The same structure with elastic Coulomb friction
+    ElasticCoulomb,
+    /// The same structure with a cubic spring
+    Cubic,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        super::Arguments::command().debug_assert();
+    }
+}

@@ -1,0 +1,93 @@
+//! `--plot`: from results to the drawing module, where this build has it.
+
+use std::path::{Path, PathBuf};
+
+use hysteresis::{Fit, Record};
+use scene::{Scene, Solved};
+
+use crate::ending::Failure;
+use crate::output::unwritable;
+
+/// A picture that can be drawn: its file has a known form and a folder to lie in.
+#[derive(Debug)]
+pub struct Figure(PathBuf);
+
+impl Figure {
+    /// Checks before any work what can be checked.
+    pub fn new(path: &Path) -> Result<Self, Failure> {
+        if cfg!(not(feature = "plot")) {
+            return Err(Failure::input(
+                "--plot: this build draws no pictures; build it with the feature \"plot\", or draw the JSON result with a tool of yours",
+            ));
+        }
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        if !matches!(extension.as_deref(), Some("svg" | "png")) {
+            return Err(Failure::input(format!("--plot {}: name the file .svg or .png", path.display())));
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if path.is_dir() || folder.is_some_and(|folder| !folder.is_dir()) {
+            return Err(unwritable(path, "there is no such folder, or it is one itself"));
+        }
+        Ok(Self(path.to_owned()))
+    }
+}
+
+/// Draws the response of every output dof.
+#[cfg(feature = "plot")]
+pub fn response(figure: Figure, scene: &Scene, solved: &Solved) -> Result<(), Failure> {
+    use crate::plot::{Panel, Response, write_response};
+
+    let responses = solved.responses();
+    let panels: Vec<Panel> = (responses.responses.into_iter())
+        .map(|response| Panel {
+            title: response.dof,
+            contact: response.contact,
+            linear: response.linear,
+            extrapolated: responses.extrapolated.clone(),
+        })
+        .collect();
+    let known = panels.iter().flat_map(|panel| panel.contact.iter().chain(&panel.linear));
+    if known.filter_map(|(_, amplitude)| *amplitude).next().is_none() {
+        crate::ending::say(format_args!("no picture was drawn: no point was solved"));
+        return Ok(());
+    }
+    let quantity = format!("|W_{}|", responses.harmonic);
+    let drawing = Response { title: scene.name().to_owned(), panels, quantity };
+    write_response(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+/// Draws the averaged cycle of a record and the series fitted to it.
+#[cfg(feature = "plot")]
+pub fn hysteresis_loop(figure: Figure, record: &Record, fit: &Fit) -> Result<(), Failure> {
+    use crate::plot::{LoopPlot, write_loop};
+
+    let a = fit.hysteresis_loop.displacement_amplitude();
+    let cycle = &fit.mean_cycle;
+    let steady = |values: &[f64]| values.get(fit.steady_samples.clone()).unwrap_or_default().to_vec();
+    let (w, f) = (steady(&record.displacement), steady(&record.force));
+    let drawing = LoopPlot {
+        title: String::new(),
+        measured: cycle.displacement.iter().copied().zip(cycle.force.iter().copied()).collect(),
+        fitted: cycle
+            .theta
+            .iter()
+            .map(|&theta| (a * theta.cos(), fit.hysteresis_loop.force(theta)))
+            .collect(),
+        record: w
+            .into_iter()
+            .map(|w| w - fit.displacement_mean)
+            .zip(f.into_iter().map(|f| f - fit.force_mean))
+            .collect(),
+    };
+    write_loop(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn response(figure: Figure, _: &Scene, _: &Solved) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn hysteresis_loop(figure: Figure, _: &Record, _: &Fit) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
+}

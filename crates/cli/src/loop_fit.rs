@@ -1,0 +1,98 @@
+//! `stickslip loop fit`: what is in a measured loop.
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+use std::io::{self, IsTerminal};
+
+use hysteresis::{Fit, FitSettings, ForceSign, ReadOptions, Record};
+use scene::Spectrum;
+use serde::Serialize;
+
+use crate::arguments::{FitArguments, TextFormat};
+use crate::ending::{Ending, Failure};
+use crate::figure::{self, Figure};
+use crate::output;
+
+/// The answer for programs.
+#[derive(Serialize)]
+struct Answer {
+    displacement_amplitude: f64,
+    force_amplitude: f64,
+    phase: f64,
+    dissipation: f64,
+    harmonics: Spectrum,
+    cycles: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    period: Option<f64>,
+    noise: f64,
+    even_content: f64,
+    notes: Vec<String>,
+}
+
+/// Reads the record, fits it and says what came out.
+pub fn run(arguments: &FitArguments) -> Result<Ending, Failure> {
+    let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
+    let options = ReadOptions {
+        columns: arguments.columns.clone().unwrap_or_default(),
+        units: arguments.units.clone().unwrap_or_default(),
+        force_sign: if arguments.flip_force { ForceSign::Reaction } else { ForceSign::Rig },
+    };
+    let record = Record::read(&arguments.file, &options).map_err(Failure::input)?;
+    let fit = hysteresis::fit(&record, &FitSettings::default())
+        .map_err(|error| Failure::input(format!("{}: {error}", arguments.file.display())))?;
+    let usual = if io::stdout().is_terminal() { TextFormat::Text } else { TextFormat::Json };
+    match arguments.format.unwrap_or(usual) {
+        TextFormat::Text => output::print(&text(&fit))?,
+        TextFormat::Json => output::print_json(&answer(&fit))?,
+    };
+    if let Some(figure) = figure {
+        figure::hysteresis_loop(figure, &record, &fit)?;
+    }
+    Ok(Ending::Done)
+}
+
+fn answer(fit: &Fit) -> Answer {
+    let series = &fit.hysteresis_loop;
+    let coefficients = series.coefficients().iter().copied().enumerate();
+    Answer {
+        displacement_amplitude: series.displacement_amplitude(),
+        force_amplitude: series.force_amplitude(),
+        phase: series.phase(),
+        dissipation: series.dissipation(),
+        harmonics: Spectrum(coefficients.filter(|(_, amplitude)| amplitude.norm() > 0.0).collect()),
+        cycles: fit.cycles,
+        period: fit.period,
+        noise: fit.noise,
+        even_content: fit.even_content,
+        notes: fit.notes.iter().map(ToString::to_string).collect(),
+    }
+}
+
+fn text(fit: &Fit) -> String {
+    let series = &fit.hysteresis_loop;
+    let mut lines = vec![
+        ("displacement amplitude", format!("{:.4e} m (half peak-to-peak)", series.displacement_amplitude())),
+        ("force amplitude |F_1|", format!("{:.4e} N", series.force_amplitude())),
+        ("phase of F_1", format!("{:.4} rad = {:.4} π", series.phase(), series.phase() / PI)),
+        ("dissipation", format!("{:.4e} J a cycle", series.dissipation())),
+        ("steady cycles", fit.cycles.to_string()),
+    ];
+    if let Some(period) = fit.period {
+        lines.push(("period", format!("{period:.6} s ({:.4} Hz)", 1.0 / period)));
+    }
+    let kept: Vec<String> = fit.kept_harmonics().map(|k| k.to_string()).collect();
+    lines.extend([
+        ("noise", format!("{:.2} % of |F_1|", 100.0 * fit.noise)),
+        ("even content", format!("{:.2} % of |F_1|", 100.0 * fit.even_content)),
+        ("harmonics above noise", format!("{}: {}", kept.len(), kept.join(", "))),
+    ]);
+    let mut text = String::new();
+    for (name, value) in lines {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{name:<24}{value}");
+    }
+    for note in &fit.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
+    text
+}

@@ -1,0 +1,123 @@
+//! Where results go: standard output, or a file that appears whole or not at all.
+
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use crate::ending::{Ending, Failure};
+
+/// A result that is still to come. For a file, that it can be written is known before the work begins.
+#[derive(Debug)]
+pub enum Output {
+    /// Standard output.
+    Stdout,
+    /// A new file beside the one it will become.
+    Beside {
+        /// What is written to.
+        file: NamedTempFile,
+        /// What it becomes.
+        path: PathBuf,
+    },
+    /// A device or a pipe, which is written as it is.
+    Device(PathBuf),
+}
+
+impl Output {
+    /// An output to `path`, or to standard output.
+    pub fn open(path: Option<&Path>) -> Result<Self, Failure> {
+        let Some(path) = path else {
+            return Ok(Self::Stdout);
+        };
+        let known = fs::metadata(path).ok();
+        if known.as_ref().is_some_and(fs::Metadata::is_dir) {
+            return Err(unwritable(path, "it is a folder; name a file in it"));
+        }
+        if known.as_ref().is_some_and(|data| !data.is_file()) {
+            return Ok(Self::Device(path.to_owned()));
+        }
+        // The file that a link points to is replaced, not the link.
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".stickslip-");
+        let permissions = known.map_or_else(usual_permissions, |data| Some(data.permissions()));
+        if let Some(permissions) = permissions {
+            builder.permissions(permissions);
+        }
+        let file = builder.tempfile_in(folder).map_err(|error| unwritable(&path, reason(&error)))?;
+        Ok(Self::Beside { file, path })
+    }
+
+    /// Writes the result with `write`.
+    pub fn write(self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+        match self {
+            Self::Stdout => {
+                let mut out = BufWriter::new(io::stdout().lock());
+                write(&mut out).and_then(|()| out.flush()).map_err(Failure::stdout)
+            }
+            Self::Beside { mut file, path } => {
+                let written = {
+                    let mut out = BufWriter::new(&mut file);
+                    write(&mut out).and_then(|()| out.flush())
+                };
+                written.map_err(|error| unwritable(&path, error))?;
+                file.persist(&path).map_err(|error| unwritable(&path, error.error))?;
+                Ok(())
+            }
+            Self::Device(path) => {
+                let device = fs::OpenOptions::new().write(true).open(&path);
+                let written = device.and_then(|file| {
+                    let mut out = BufWriter::new(file);
+                    write(&mut out).and_then(|()| out.flush())
+                });
+                written.map_err(|error| match error.kind() {
+                    io::ErrorKind::BrokenPipe => Failure::ClosedPipe,
+                    _ => unwritable(&path, error),
+                })
+            }
+        }
+    }
+}
+
+/// The system's reason without the made-up name of the file beside.
+fn reason(error: &io::Error) -> String {
+    let system = error.raw_os_error().or_else(|| {
+        let inner = error.get_ref()?.source()?;
+        inner.downcast_ref::<io::Error>()?.raw_os_error()
+    });
+    system.map_or_else(|| error.kind().to_string(), |code| io::Error::from_raw_os_error(code).to_string())
+}
+
+/// What a new file gets from the system, less the user's mask.
+#[cfg(unix)]
+fn usual_permissions() -> Option<fs::Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(fs::Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn usual_permissions() -> Option<fs::Permissions> {
+    None
+}
+
+/// An output that cannot be written.
+pub fn unwritable(path: &Path, why: impl std::fmt::Display) -> Failure {
+    Failure::Output(anyhow::anyhow!("cannot write {}: {why}", path.display()))
+}
+
+/// Prints a text that is a whole result.
+pub fn print(text: &str) -> Result<Ending, Failure> {
+    Output::Stdout.write(|out| out.write_all(text.as_bytes()))?;
+    Ok(Ending::Done)
+}
+
+/// Prints a result as JSON.
+pub fn print_json(result: &impl serde::Serialize) -> Result<Ending, Failure> {
+    Output::Stdout.write(|out| scene::write_json(out, result))?;
+    Ok(Ending::Done)
+}

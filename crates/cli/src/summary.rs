@@ -1,0 +1,120 @@
+//! The short answer for a terminal: peaks, worst points, statuses, notes, time.
+
+use std::fmt::Write as _;
+
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
+use scene::{Outcome, Peak, Point, Responses, Solved};
+
+use crate::check::count;
+use crate::ending::Failure;
+use crate::output;
+
+/// Points in the list of the worst.
+const WORST: usize = 3;
+
+/// Prints the table.
+pub fn print(solved: &Solved, outcome: &Outcome) -> Result<(), Failure> {
+    output::print(&text(&solved.responses(), outcome, solved.interrupted())).map(|_| ())
+}
+
+fn text(responses: &Responses, outcome: &Outcome, interrupted: bool) -> String {
+    let mut text = format!("{}\n", heading(outcome));
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "{}", peaks(responses));
+    let _ = writeln!(text, "{}", statuses(&outcome.points, interrupted));
+    for line in worst(&outcome.points) {
+        let _ = writeln!(text, "{line}");
+    }
+    for note in &outcome.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
+    let timing = &outcome.timing;
+    let threads = count(timing.threads, "thread", "threads");
+    let _ = writeln!(
+        text,
+        "time: {} to read and plan, {} to solve on {threads}",
+        duration(timing.setup_s),
+        duration(timing.solve_s)
+    );
+    text
+}
+
+fn heading(outcome: &Outcome) -> String {
+    let ends = outcome.points.first().zip(outcome.points.last());
+    let range = match ends {
+        Some((first, last)) if outcome.points.len() > 1 => {
+            format!("{} points from {} to {} Hz", outcome.points.len(), first.frequency, last.frequency)
+        }
+        Some((only, _)) => format!("{} Hz", only.frequency),
+        None => "no point".into(),
+    };
+    let harmonics = outcome.points.iter().map(|point| point.harmonics).max().unwrap_or(0);
+    format!("{}: {range}, N = {harmonics}", outcome.scene)
+}
+
+fn peaks(responses: &Responses) -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(presets::NOTHING.header_separator(LineStyle::none().fill('─').junction('─')))
+        .set_content_arrangement(ContentArrangement::Disabled);
+    let amplitude = format!("|W_{}| [m]", responses.harmonic);
+    let without = format!("{amplitude} without");
+    table.set_header(["dof", "peak [Hz]", &amplitude, "without contact forces [Hz]", &without, "reduction"]);
+    for response in &responses.responses {
+        for resonance in response.resonances() {
+            let [hertz, metres] = peak(resonance.contact);
+            let [linear_hertz, linear_metres] = peak(resonance.linear);
+            let reduction = resonance.reduction().map_or("-".into(), |part| format!("{:.1} %", 100.0 * part));
+            table.add_row([response.dof.clone(), hertz, metres, linear_hertz, linear_metres, reduction]);
+        }
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn peak(peak: Option<Peak>) -> [String; 2] {
+    peak.map_or(["-".into(), "-".into()], |peak| {
+        [format!("{:.4}", peak.frequency), format!("{:.4e}", peak.amplitude)]
+    })
+}
+
+fn statuses(points: &[Point], interrupted: bool) -> String {
+    let of = |status: &str| points.iter().filter(|point| point.status == status).count();
+    let counts = ["converged", "stuck", "failed"].map(|status| (status, of(status)));
+    let present = counts.iter().filter(|(_, number)| *number > 0);
+    let list: Vec<String> = present.map(|(status, number)| format!("{number} {status}")).collect();
+    let stopped = if interrupted { "; stopped before the last point" } else { "" };
+    format!("points: {}{stopped}", if list.is_empty() { "none".into() } else { list.join(", ") })
+}
+
+/// Failed points and why; without any, the largest residual and the longest iteration.
+fn worst(points: &[Point]) -> Vec<String> {
+    let failed: Vec<&Point> = points.iter().filter(|point| point.reason.is_some()).collect();
+    let mut lines: Vec<String> = (failed.iter().take(WORST))
+        .map(|point| {
+            format!("failed at {} Hz: {}", point.frequency, point.reason.as_deref().unwrap_or_default())
+        })
+        .collect();
+    if failed.len() > WORST {
+        lines.push(format!("and {} more; -o FILE.json has the reason of each", failed.len() - WORST));
+    }
+    let solved = || points.iter().filter(|point| point.reason.is_none());
+    if let Some(point) = solved().max_by(|a, b| a.residual.total_cmp(&b.residual)) {
+        lines.push(format!("worst residual: {:.1e} at {} Hz", point.residual, point.frequency));
+    }
+    if let Some(point) = solved().max_by_key(|point| point.iterations).filter(|point| point.iterations > 1) {
+        lines.push(format!("most iterations: {} at {} Hz", point.iterations, point.frequency));
+    }
+    lines
+}
+
+/// Three digits in a readable unit.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => format!("{:.0} µs", 1e6 * s),
+        s if s < 1.0 => format!("{:.1} ms", 1e3 * s),
+        s => format!("{s:.2} s"),
+    }
+}

@@ -1,0 +1,121 @@
+//! `stickslip sweep`: the forced response of a scene.
+
+use std::io::{self, IsTerminal};
+use std::path::Path;
+
+use scene::{Frequencies, Outcome, Prepared, RunOptions, Solved};
+
+use crate::arguments::{Format, SweepArguments};
+use crate::ending::{Ending, Failure, say};
+use crate::figure::{self, Figure};
+use crate::output::Output;
+use crate::progress::{Progress, interrupt};
+use crate::{summary, waveform};
+
+/// Where the result goes, and in which form.
+enum Wanted {
+    /// A short table on the terminal.
+    Table,
+    /// Everything.
+    Full(Output, Format),
+}
+
+/// Solves the scene and writes what was asked for.
+pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
+    let format = format(arguments)?;
+    let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
+    let mut scene = arguments.scene.read()?;
+    if let Some(frequency) = arguments.at {
+        let one = Frequencies::one(frequency).map_err(|error| Failure::input(format!("--at: {error}")))?;
+        if frequency == 0.0 {
+            return Err(Failure::input("--at: at 0 Hz nothing moves; name a positive frequency"));
+        }
+        scene = scene.with_frequencies(one);
+    }
+    if arguments.all_solutions {
+        scene = scene.with_all_solutions();
+    }
+    let prepared = scene.prepare().map_err(|error| arguments.scene.unsolvable(error))?;
+
+    // Outputs are opened before the work: what cannot be written is known at once.
+    let result = match format {
+        Some(format) => Wanted::Full(Output::open(arguments.output.as_deref())?, format),
+        None => Wanted::Table,
+    };
+    let period = arguments.waveform.as_deref().map(|path| Output::open(Some(path))).transpose()?;
+
+    let solved = solve(&prepared, arguments);
+    let outcome = solved.outcome();
+    write(result, &solved, &outcome)?;
+    if let Some(output) = period {
+        match solved.motion() {
+            Some(motion) => waveform::write(output, &scene, &motion)?,
+            None => say(format_args!("no waveform was written: the point was not solved")),
+        }
+    }
+    if let Some(figure) = figure {
+        figure::response(figure, &scene, &solved)?;
+    }
+    Ok(ending(&solved))
+}
+
+fn solve<'p>(prepared: &'p Prepared, arguments: &SweepArguments) -> Solved<'p> {
+    let progress = Progress::new(prepared.points());
+    let finished = |points| progress.finished(points);
+    let options = RunOptions {
+        threads: arguments.threads.map(usize::from),
+        cancel: Some(interrupt()),
+        progress: Some(&finished),
+    };
+    let solved = prepared.solve(&options);
+    progress.clear();
+    solved
+}
+
+fn write(result: Wanted, solved: &Solved, outcome: &Outcome) -> Result<(), Failure> {
+    let (output, format) = match result {
+        Wanted::Table => return summary::print(solved, outcome),
+        Wanted::Full(output, format) => (output, format),
+    };
+    output.write(|out| match format {
+        Format::Json => scene::write_json(out, outcome),
+        Format::Csv => outcome.write_csv(out),
+    })?;
+    for note in &outcome.notes {
+        say(format_args!("note: {note}"));
+    }
+    Ok(())
+}
+
+fn ending(solved: &Solved) -> Ending {
+    let failed = solved.solutions().iter().any(|solution| !solution.status.solved());
+    match (solved.interrupted(), failed) {
+        (true, _) => Ending::Interrupted,
+        (false, true) => Ending::SomeFailed,
+        (false, false) => Ending::Done,
+    }
+}
+
+/// The form of the full result; `None` is the table for a terminal.
+fn format(arguments: &SweepArguments) -> Result<Option<Format>, Failure> {
+    let chosen = match (arguments.format, &arguments.output) {
+        (Some(format), _) => Some(format),
+        (None, Some(path)) => Some(by_extension(path)?),
+        (None, None) if io::stdout().is_terminal() => None,
+        (None, None) => Some(Format::Json),
+    };
+    Ok(chosen)
+}
+
+/// JSON where the name has no extension.
+fn by_extension(path: &Path) -> Result<Format, Failure> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        None | Some("json") => Ok(Format::Json),
+        Some("csv") => Ok(Format::Csv),
+        Some(other) => Err(Failure::input(format!(
+            "-o {}: no format is called .{other}; name the file .json or .csv, or add --format json",
+            path.display()
+        ))),
+    }
+}

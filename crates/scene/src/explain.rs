@@ -1,0 +1,157 @@
+//! What a scene needs and what it leaves out, and why.
+
+use hbm::{Jacobian, PlanFacts, Start};
+use serde::Serialize;
+
+use crate::error::NOT_YET;
+use crate::run::Prepared;
+
+/// One step of the method.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Step {
+    /// The step.
+    pub what: &'static str,
+    /// Whether this scene uses it.
+    pub used: bool,
+    /// Why, or why not.
+    pub why: String,
+}
+
+fn step(what: &'static str, used: bool, why: impl Into<String>) -> Step {
+    Step { what, used, why: why.into() }
+}
+
+pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
+    let (scene, facts) = (prepared.scene, prepared.plan.facts());
+    let settings = &scene.settings;
+    let n = settings.harmonics;
+    let mut steps = vec![
+        period(&facts),
+        even_harmonics(&facts),
+        condensation(&facts, scene.output().len()),
+        transforms(&facts),
+    ];
+    steps.extend(iteration(&facts, settings.jacobian));
+    steps.extend(start(&facts, settings.start, n));
+    let points = scene.frequencies.as_slice().len();
+    steps.push(match (settings.start, points) {
+        (Start::March, _) => step("parallel sweep", false, "marching needs the point before"),
+        (Start::Ladder, 1) => step("parallel sweep", false, "there is one point"),
+        (Start::Ladder, _) => {
+            step("parallel sweep", true, format!("{points} points do not depend on each other"))
+        }
+    });
+    steps.push(if settings.all_solutions {
+        step("other solutions", true, "asked for; they are listed where they are known")
+    } else {
+        step("other solutions", false, "not asked for (--all-solutions)")
+    });
+    for (what, instead) in [
+        ("continuation through folds", "each frequency is solved on its own"),
+        ("as many harmonics as each point needs", "every point has the harmonics of the scene"),
+        ("event-exact forces", "forces come in closed form or from samples"),
+        ("slaved high harmonics", "all harmonics are solved together"),
+        ("estimate of the truncation error", "compare with a larger --harmonics"),
+    ] {
+        steps.push(step(what, false, format!("{NOT_YET}; {instead}")));
+    }
+    steps
+}
+
+fn period(facts: &PlanFacts) -> Step {
+    let what = "reduction of the period";
+    match facts.fundamental {
+        0 | 1 => step(what, false, "the excitation has the period of Ω"),
+        f => step(
+            what,
+            true,
+            format!("only multiples of harmonic {f} are excited: the period is {f} times shorter"),
+        ),
+    }
+}
+
+fn even_harmonics(facts: &PlanFacts) -> Step {
+    let what = "even harmonics and the mean";
+    if facts.odd {
+        step(what, false, "all laws and the excitation are odd, so they are zero")
+    } else {
+        step(what, true, "a law or the excitation is not odd")
+    }
+}
+
+fn condensation(facts: &PlanFacts, output: usize) -> Step {
+    let what = "condensation to the contacts";
+    match facts.condensed_dofs {
+        0 => step(what, false, "every dof carries a contact"),
+        1 => step(what, true, format!("1 dof carries no contact; {output} output dof(s) are recovered")),
+        count => {
+            step(what, true, format!("{count} dofs carry no contact; {output} output dof(s) are recovered"))
+        }
+    }
+}
+
+fn transforms(facts: &PlanFacts) -> Step {
+    let what = "alternating frequency-time evaluation (FFT)";
+    if facts.linear {
+        step(what, false, "no law needs it: the scene is linear")
+    } else if facts.scalar {
+        step(what, false, "one harmonic: the law has a closed form (describing function)")
+    } else if facts.samples == 0 {
+        step(what, false, "the forces come in closed form")
+    } else {
+        step(what, true, format!("forces are evaluated at {} instants of a period", facts.samples))
+    }
+}
+
+fn iteration(facts: &PlanFacts, jacobian: Jacobian) -> Vec<Step> {
+    let newton = "Newton iteration";
+    let derivative = "derivatives in closed form";
+    if facts.linear {
+        return vec![step(newton, false, "the scene is linear: one solve a frequency")];
+    }
+    if facts.scalar {
+        return vec![step(
+            newton,
+            false,
+            "one contact, one harmonic: all roots of one real equation are found",
+        )];
+    }
+    vec![
+        step(newton, true, format!("{} real unknowns", facts.unknowns)),
+        match jacobian {
+            Jacobian::Analytic => step(derivative, true, "the usual choice; exact and cheap"),
+            Jacobian::Difference => {
+                step(derivative, false, "the scene asks for differences (solver.jacobian)")
+            }
+        },
+    ]
+}
+
+fn start(facts: &PlanFacts, start: Start, n: usize) -> Vec<Step> {
+    let scalar = "all solutions of the first harmonic";
+    let ladder = "ladder of harmonics";
+    let march = "start from the frequency before";
+    if facts.linear {
+        return vec![step(march, false, "a linear scene needs no start")];
+    }
+    let march = match start {
+        Start::March => step(march, true, "the scene asks for it (solver.start), as in the paper's Fig. 2"),
+        Start::Ladder => step(march, false, "every point finds its own start"),
+    };
+    let one = "one contact with a closed form: all are found, no initial guess is needed";
+    if facts.scalar {
+        return vec![step(scalar, true, one), march];
+    }
+    let roots = match (facts.scalar_start, start) {
+        (true, Start::Ladder) => step(scalar, true, format!("{one}; they start the ladder")),
+        (true, Start::March) => step(scalar, true, format!("{one}; they start the first point")),
+        (false, _) => step(scalar, false, "no closed form for these contacts and this excitation"),
+    };
+    let rungs = facts.ladder.iter().map(usize::to_string).collect::<Vec<_>>().join(" → ");
+    let climb = match facts.ladder.len() {
+        0 | 1 => step(ladder, false, format!("N = {n} is solved at once")),
+        _ if start == Start::March => step(ladder, true, format!("N = {rungs} for the first point")),
+        _ => step(ladder, true, format!("N = {rungs}, each the start of the next")),
+    };
+    vec![roots, climb, march]
+}

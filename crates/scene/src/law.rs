@@ -1,0 +1,134 @@
+//! `law`: from `law.type` and its parameters to a law of the contact crate.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use contact::{
+    Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, Linear, LinearParameters,
+    MagnitudeLaw, ParameterError, PhaseLaw, ScaledLoop, Symmetry,
+};
+
+use crate::error::{NOT_YET, SceneError};
+use crate::json::below;
+use crate::loops::{self, MeasuredLoop};
+use crate::read::{Node, Object, suggestion};
+
+/// Laws that exist.
+pub(crate) const LAWS: [&str; 4] = ["scaled_loop", "elastic_coulomb", "cubic", "linear"];
+/// Laws that are planned.
+pub(crate) const PLANNED: [&str; 3] = ["loop_family", "iwan", "coulomb"];
+
+pub(crate) const SCALED_LOOP_KEYS: [&str; 5] = ["type", "loop", "magnitude", "phase", "symmetric"];
+pub(crate) const ELASTIC_COULOMB_KEYS: [&str; 3] = ["type", "stiffness", "slip_force"];
+pub(crate) const SPRING_KEYS: [&str; 2] = ["type", "stiffness"];
+pub(crate) const MAGNITUDE_KEYS: [&str; 3] = ["offset", "slope", "shift"];
+pub(crate) const PHASE_KEYS: [&str; 3] = ["limit", "span", "decay"];
+
+/// A law and what a user should know about it.
+pub(crate) struct ReadLaw {
+    pub(crate) law: Arc<dyn Law>,
+    pub(crate) notes: Vec<String>,
+}
+
+/// Reads a contact's `law`.
+pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
+    let Some(kind) = node.peek("type") else {
+        // Says that it is no object, or that the type is missing.
+        let any = [&SCALED_LOOP_KEYS[..], &ELASTIC_COULOMB_KEYS, &SPRING_KEYS].concat();
+        node.object("type and its parameters", &any)?;
+        let types = LAWS.map(|law| format!("{law:?}")).join(", ");
+        return Err(SceneError::entry(
+            &below(node.path(), "type"),
+            format!("is missing; write one of {types}"),
+        ));
+    };
+    let name = kind.text("the name of a law")?;
+    let law: Arc<dyn Law> = match name {
+        "scaled_loop" => return scaled_loop(&node.object("a scaled loop", &SCALED_LOOP_KEYS)?, base),
+        "elastic_coulomb" => {
+            let law = node.object("elastic Coulomb friction", &ELASTIC_COULOMB_KEYS)?;
+            let stiffness = law.need("stiffness", "1e6, in N/m")?.number()?;
+            let slip_force = law.need("slip_force", "10.0, in N")?.number()?;
+            let parameters = ElasticCoulombParameters { stiffness, slip_force };
+            Arc::new(ElasticCoulomb::new(parameters).map_err(|error| refused(node.path(), error))?)
+        }
+        "cubic" => {
+            let law = node.object("a cubic spring", &SPRING_KEYS)?;
+            let stiffness = law.need("stiffness", "1e9, in N/m³")?.number()?;
+            Arc::new(Cubic::new(CubicParameters { stiffness }).map_err(|error| refused(node.path(), error))?)
+        }
+        "linear" => {
+            let law = node.object("a linear spring", &SPRING_KEYS)?;
+            let stiffness = law.need("stiffness", "1e6, in N/m")?.number()?;
+            Arc::new(
+                Linear::new(LinearParameters { stiffness }).map_err(|error| refused(node.path(), error))?,
+            )
+        }
+        _ if PLANNED.contains(&name) => {
+            let problem = format!("the law {name:?} is {NOT_YET}; known are {}", LAWS.join(", "));
+            return Err(kind.error(problem));
+        }
+        _ => {
+            let hint = suggestion(name, &LAWS);
+            let known = if hint.starts_with("known") {
+                String::new()
+            } else {
+                format!(" Known are {}", LAWS.join(", "))
+            };
+            return Err(kind.error(format!("there is no law {name:?}; {hint}{known}")));
+        }
+    };
+    Ok(ReadLaw { law, notes: Vec::new() })
+}
+
+fn refused(path: &str, error: ParameterError) -> SceneError {
+    SceneError::entry(&below(path, error.key), error.problem)
+}
+
+fn scaled_loop(law: &Object, base: &Path) -> Result<ReadLaw, SceneError> {
+    let magnitude = law.get("magnitude").map_or(Ok(MagnitudeLaw::default()), |node| read_magnitude(&node))?;
+    let phase = law.get("phase").map_or(Ok(PhaseLaw::default()), |node| read_phase(&node))?;
+    let symmetry = law.get("symmetric").map_or(Ok(Symmetry::Auto), |node| match node.flag() {
+        Some(true) => Ok(Symmetry::Odd),
+        Some(false) => Ok(Symmetry::Full),
+        None => node
+            .choice(&[("auto", Symmetry::Auto)])
+            .map_err(|_| node.error("must be \"auto\", true or false")),
+    })?;
+    let place = |error: ParameterError| refused(law.path(), error);
+    let form = "{\"file\": \"record.csv\"} or {\"displacement\": 8e-6, \"force\": 12.0}";
+    match loops::read(&law.need("loop", form)?, base)? {
+        MeasuredLoop::Ellipse { displacement, force } => {
+            let law = ScaledLoop::ellipse(displacement, force, magnitude, phase).map_err(place)?;
+            Ok(ReadLaw { law: Arc::new(law), notes: Vec::new() })
+        }
+        MeasuredLoop::Series { hysteresis_loop, noise, mut notes } => {
+            let scaled =
+                ScaledLoop::new(&hysteresis_loop, noise, magnitude, phase, symmetry).map_err(place)?;
+            notes.extend(loops::notes(&hysteresis_loop, noise, &scaled));
+            Ok(ReadLaw { law: Arc::new(scaled), notes })
+        }
+    }
+}
+
+fn read_magnitude(node: &Node) -> Result<MagnitudeLaw, SceneError> {
+    let law = node.object("offset, slope, shift of eq. (6)", &MAGNITUDE_KEYS)?;
+    let paper = MagnitudeLaw::default();
+    let number = |key: &str, default: f64| law.get(key).map_or(Ok(default), |node| node.number());
+    Ok(MagnitudeLaw {
+        offset: number("offset", paper.offset)?,
+        slope: number("slope", paper.slope)?,
+        shift: number("shift", paper.shift)?,
+    })
+}
+
+fn read_phase(node: &Node) -> Result<PhaseLaw, SceneError> {
+    let law = node.object("limit, span, decay of eq. (7)", &PHASE_KEYS)?;
+    let paper = PhaseLaw::default();
+    let number = |key: &str, default: f64| law.get(key).map_or(Ok(default), |node| node.number());
+    Ok(PhaseLaw {
+        limit: number("limit", paper.limit)?,
+        span: number("span", paper.span)?,
+        decay: number("decay", paper.decay)?,
+    })
+}

@@ -1,0 +1,243 @@
+//! The result of a sweep as plain data for JSON, and its other written form, long CSV.
+
+use std::io::{self, Write};
+
+use contact::ContactState;
+use hbm::{ContactSolution, Solution, Status};
+use num_complex::Complex64;
+use serde::ser::{SerializeMap, SerializeTuple};
+use serde::{Serialize, Serializer};
+
+use crate::notes;
+use crate::run::Solved;
+
+/// The result of a sweep.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outcome {
+    /// 1; raised when a reader of older results would be misled.
+    pub format_version: u32,
+    /// The scene's name.
+    pub scene: String,
+    /// The dofs whose displacement is given.
+    pub dofs: Vec<String>,
+    /// Units of every number.
+    pub units: &'static str,
+    /// What a user should be told.
+    pub notes: Vec<String>,
+    /// One entry a frequency, in the scene's order.
+    pub points: Vec<Point>,
+    /// How long it took; the one part that differs from run to run.
+    pub timing: Timing,
+}
+
+/// How long a sweep took.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Timing {
+    /// Reading the scene and planning, in s.
+    pub setup_s: f64,
+    /// Solving all points, in s.
+    pub solve_s: f64,
+    /// Threads that worked.
+    pub threads: usize,
+}
+
+/// One frequency.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// In Hz.
+    pub frequency: f64,
+    /// `converged`, `stuck` or `failed`.
+    pub status: &'static str,
+    /// N of this point.
+    pub harmonics: usize,
+    /// Newton steps, all attempts together.
+    pub iterations: usize,
+    /// Relative to the excitation.
+    pub residual: f64,
+    /// Why it failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Relative residuals of the last attempt of a failed point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual_history: Option<Vec<f64>>,
+    /// Estimated relative l2 error of the displacement spectrum; none is made yet.
+    pub truncation_error: Option<f64>,
+    /// How many solutions exist, where that is known.
+    pub solutions: Option<usize>,
+    /// Spectrum in m of each output dof; not there when the point failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Named<Spectrum>>,
+    /// What each contact does; not there when the point failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contacts: Option<Named<ContactPoint>>,
+    /// The other solutions, where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub others: Option<Vec<Point>>,
+}
+
+/// One contact at one frequency.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ContactPoint {
+    /// Half the peak-to-peak relative displacement, in m.
+    pub amplitude: f64,
+    /// `stick`, `slip`, `mixed` or `held`.
+    pub state: &'static str,
+    /// In J per cycle.
+    pub dissipation: f64,
+    /// On the first body, in N.
+    pub force: Spectrum,
+    /// Reversals of the relative displacement in a period.
+    pub turning_points: usize,
+    /// The amplitude left the range in which the law was measured.
+    pub extrapolated: bool,
+}
+
+/// Values under names, in a fixed order; an object in JSON.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named<T>(pub Vec<(String, T)>);
+
+/// Harmonics and their one-sided complex amplitudes; `[[k, re, im], …]` in JSON.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum(pub Vec<(usize, Complex64)>);
+
+impl<T: Serialize> Serialize for Named<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, value) in &self.0 {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
+
+impl Serialize for Spectrum {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.iter().map(|(k, amplitude)| Line(*k, *amplitude)))
+    }
+}
+
+/// `[k, re, im]`; the mean has no imaginary part.
+struct Line(usize, Complex64);
+
+impl Serialize for Line {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut line = serializer.serialize_tuple(3)?;
+        line.serialize_element(&self.0)?;
+        line.serialize_element(&self.1.re)?;
+        if self.0 == 0 {
+            line.serialize_element(&0)?
+        } else {
+            line.serialize_element(&self.1.im)?
+        }
+        line.end()
+    }
+}
+
+impl Spectrum {
+    pub(crate) fn new(orders: &[usize], amplitudes: &[Complex64]) -> Self {
+        Self(orders.iter().copied().zip(amplitudes.iter().copied()).collect())
+    }
+}
+
+impl Outcome {
+    pub(crate) fn new(solved: &Solved, timing: Timing) -> Self {
+        let (scene, plan) = (solved.prepared.scene, &solved.prepared.plan);
+        let names = Names {
+            dofs: scene.output(),
+            contacts: scene.contacts().collect(),
+            orders: plan.orders(),
+            others: scene.settings.all_solutions,
+        };
+        Self {
+            format_version: 1,
+            scene: scene.name.clone(),
+            dofs: names.dofs.iter().map(|name| (*name).to_owned()).collect(),
+            units: "SI, Hz, rad",
+            notes: notes::all(scene, solved.solutions()),
+            points: solved.solutions().iter().map(|solution| names.point(solution, names.others)).collect(),
+            timing,
+        }
+    }
+
+    /// Writes the displacements as long CSV, one line a harmonic; a failed point has one line with empty values.
+    ///
+    /// # Errors
+    /// When `out` cannot be written.
+    pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(CSV_COLUMNS)?;
+        for point in &self.points {
+            let frequency = point.frequency.to_string();
+            let Some(displacement) = &point.displacement else {
+                table.write_record([frequency.as_str(), point.status, "", "", "", ""])?;
+                continue;
+            };
+            for (dof, spectrum) in &displacement.0 {
+                for (k, w) in &spectrum.0 {
+                    let (k, re, im) = (k.to_string(), format!("{:e}", w.re), format!("{:e}", w.im));
+                    table.write_record([&frequency, point.status, dof, &k, &re, &im])?;
+                }
+            }
+        }
+        table.flush()
+    }
+}
+
+const CSV_COLUMNS: [&str; 6] = ["frequency", "status", "dof", "harmonic", "re", "im"];
+
+/// The names that turn a solution's rows and columns into a result.
+struct Names<'a> {
+    dofs: Vec<&'a str>,
+    contacts: Vec<&'a str>,
+    orders: &'a [usize],
+    others: bool,
+}
+
+impl Names<'_> {
+    fn point(&self, solution: &Solution, others: bool) -> Point {
+        let solved = solution.status.solved();
+        let displacement = || {
+            let rows = self.dofs.iter().zip(&solution.displacement);
+            Named(rows.map(|(name, row)| ((*name).to_owned(), Spectrum::new(self.orders, row))).collect())
+        };
+        let contacts = || {
+            let rows = self.contacts.iter().zip(&solution.contacts);
+            Named(rows.map(|(name, contact)| ((*name).to_owned(), self.contact(contact))).collect())
+        };
+        let (status, reason) = match &solution.status {
+            Status::Converged => ("converged", None),
+            Status::Stuck => ("stuck", None),
+            Status::Failed(reason) => ("failed", Some(reason.to_string())),
+        };
+        Point {
+            frequency: solution.frequency,
+            status,
+            harmonics: solution.harmonics,
+            iterations: solution.stats.iterations,
+            residual: solution.residual,
+            reason,
+            residual_history: (!solved).then(|| solution.residual_history.clone()),
+            truncation_error: None,
+            solutions: solution.solutions,
+            displacement: solved.then(displacement),
+            contacts: solved.then(contacts),
+            others: others.then(|| solution.others.iter().map(|other| self.point(other, false)).collect()),
+        }
+    }
+
+    fn contact(&self, contact: &ContactSolution) -> ContactPoint {
+        ContactPoint {
+            amplitude: contact.amplitude,
+            state: match contact.state {
+                ContactState::Stick => "stick",
+                ContactState::Slip => "slip",
+                ContactState::Mixed => "mixed",
+                ContactState::Held => "held",
+            },
+            dissipation: contact.dissipation,
+            force: Spectrum::new(self.orders, &contact.force),
+            turning_points: contact.turning_points,
+            extrapolated: contact.extrapolated,
+        }
+    }
+}

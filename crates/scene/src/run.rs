@@ -1,0 +1,96 @@
+//! A scene made ready: its sweep, its linear response, its motion in time.
+
+use std::f64::consts::TAU;
+use std::time::{Duration, Instant};
+
+use hbm::{Plan, Solution, Sweep, SweepOptions, Waveform};
+
+use crate::explain::{self, Step};
+use crate::outcome::{Outcome, Timing};
+use crate::response::Responses;
+use crate::scene::Scene;
+
+/// A scene and the plan that solves it.
+#[derive(Debug)]
+pub struct Prepared<'s> {
+    pub(crate) scene: &'s Scene,
+    pub(crate) plan: Plan,
+    setup: Duration,
+}
+
+/// One period of a solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Instants in s, from 0 up to a period, which is left out.
+    pub time: Vec<f64>,
+    /// Displacements and forces at these instants.
+    pub waveform: Waveform,
+}
+
+/// The solved points of a sweep.
+#[derive(Debug)]
+pub struct Solved<'s> {
+    pub(crate) prepared: &'s Prepared<'s>,
+    pub(crate) sweep: Sweep,
+    solve: Duration,
+}
+
+impl<'s> Prepared<'s> {
+    pub(crate) fn new(scene: &'s Scene, plan: Plan, setup: Duration) -> Self {
+        Self { scene, plan, setup }
+    }
+
+    /// What the scene needs and what it leaves out, and why.
+    pub fn explain(&self) -> Vec<Step> {
+        explain::steps(self)
+    }
+
+    /// Solves every frequency of the scene.
+    pub fn solve(&self, options: &SweepOptions) -> Solved<'_> {
+        let began = Instant::now();
+        let sweep = hbm::sweep(&self.plan, self.scene.frequencies.as_slice(), options);
+        Solved { prepared: self, sweep, solve: began.elapsed() }
+    }
+
+    /// How many frequencies there are to solve.
+    pub fn points(&self) -> usize {
+        self.scene.frequencies.as_slice().len()
+    }
+}
+
+impl Solved<'_> {
+    /// Stopped before the last point.
+    pub fn interrupted(&self) -> bool {
+        self.sweep.interrupted
+    }
+
+    /// The points that were solved or given up, in the scene's order.
+    pub fn solutions(&self) -> &[Solution] {
+        &self.sweep.solutions
+    }
+
+    /// The result as plain data.
+    pub fn outcome(&self) -> Outcome {
+        let timing = Timing {
+            setup_s: self.prepared.setup.as_secs_f64(),
+            solve_s: self.solve.as_secs_f64(),
+            threads: self.sweep.threads,
+        };
+        Outcome::new(self, timing)
+    }
+
+    /// Amplitudes over frequency, with contacts and without them.
+    pub fn responses(&self) -> Responses {
+        Responses::new(self)
+    }
+
+    /// One period of the first point; `None` when it failed, or when it is static and has no period.
+    pub fn motion(&self) -> Option<Motion> {
+        let solution = self.sweep.solutions.first()?;
+        let samples = (32 * solution.harmonics).next_power_of_two().max(512);
+        let waveform = self.prepared.plan.waveform(solution, samples)?;
+        let omega = TAU * solution.frequency;
+        let time = waveform.phase.iter().map(|phase| phase / omega).collect();
+        (omega > 0.0).then_some(Motion { time, waveform })
+    }
+}

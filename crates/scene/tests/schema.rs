@@ -1,0 +1,111 @@
+//! The schema against scenes: what the reader takes it takes, what it refuses for its form it refuses.
+
+use std::path::Path;
+
+use boon::{Compiler, Schemas};
+use scene::{SCHEMA, Scene};
+use serde_json::{Value, json};
+
+fn fits(scene: &Value) -> bool {
+    let mut schemas = Schemas::new();
+    let mut compiler = Compiler::new();
+    compiler.add_resource("scene.json", serde_json::from_str(SCHEMA).unwrap()).unwrap();
+    let schema = compiler.compile("scene.json", &mut schemas).unwrap();
+    schemas.validate(scene, schema).is_ok()
+}
+
+fn examples() -> Vec<(String, Value)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = files.filter(|path| path.extension().is_some_and(|e| e == "json"));
+    let read = |path: std::path::PathBuf| {
+        let text = std::fs::read_to_string(&path).unwrap();
+        (path.display().to_string(), serde_json::from_str(&text).unwrap())
+    };
+    scenes.filter(|path| !path.ends_with("scene.schema.json")).map(read).collect()
+}
+
+#[test]
+fn every_example_fits_and_is_read() {
+    let examples = examples();
+    assert!(examples.len() >= 3);
+    for (name, scene) in examples {
+        assert!(fits(&scene), "{name}");
+        Scene::from_file(name.as_ref()).unwrap();
+    }
+}
+
+#[test]
+fn schema_and_reader_agree() {
+    let base = json!({
+        "model": { "dofs": ["a"], "mass": [[1.0]], "damping": [[1.0]], "stiffness": [[1e5]] },
+        "excitation": [{ "dof": "a", "amplitude": 1.0 }],
+        "contacts": [{ "name": "c", "between": ["a", "ground"], "law": { "type": "linear", "stiffness": 1.0 } }],
+        "frequencies": [10.0]
+    });
+    let law = |law: Value| ("/contacts/0/law", law);
+    let cases = [
+        (true, "/excitation", json!([])),
+        (true, "/contacts", json!([])),
+        (true, "/frequencies", json!([0, 1])),
+        (false, "/frequencies", json!([])),
+        (false, "/frequencies", json!([-1])),
+        (true, "/frequencies", json!({ "from": 1, "to": 2, "points": 2, "spacing": "log" })),
+        (true, "/frequencies", json!({ "from": 1, "to": 2, "step": 0.5 })),
+        (false, "/frequencies", json!({ "from": 1, "to": 2, "step": 0.5, "points": 2 })),
+        (false, "/frequencies", json!({ "from": 0, "to": 2, "points": 2 })),
+        (false, "/frequencies", json!({ "from": 1, "to": 2, "points": 2.5 })),
+        (true, "/model/damping", json!({ "rayleigh": { "mass": 1.0, "stiffness": 0.0 } })),
+        (true, "/model/damping", json!({ "modal_ratio": 0.01 })),
+        (false, "/model/damping", json!({ "modal_ratio": -0.01 })),
+        (false, "/model/damping", json!({ "matrix_market": "D.mtx" })),
+        (false, "/model/dofs", json!(["ground"])),
+        (false, "/model/mass", json!([["1"]])),
+        (true, "/excitation/0", json!({ "kind": "base", "amplitude": 1 })),
+        (false, "/excitation/0", json!({ "kind": "base", "amplitude": 1, "dof": "a" })),
+        (false, "/excitation/0", json!({ "amplitude": 1 })),
+        (false, "/excitation/0", json!({ "dof": "a", "amplitude": 1, "harmonic": -1 })),
+        (
+            true,
+            "/contacts/0",
+            json!({ "name": "c", "pairs": [["a", "ground"]], "law": { "type": "cubic", "stiffness": -1 } }),
+        ),
+        (false, "/contacts/0", json!({ "name": "c", "law": { "type": "cubic", "stiffness": 1 } })),
+    ];
+    let laws = [
+        (true, law(json!({ "type": "scaled_loop", "loop": { "displacement": 1e-6, "force": 1 } }))),
+        (
+            true,
+            law(
+                json!({ "type": "scaled_loop", "symmetric": false, "loop": { "displacement": 1e-6, "harmonics": [[1, 0, 1]] } }),
+            ),
+        ),
+        (
+            false,
+            law(
+                json!({ "type": "scaled_loop", "symmetric": "odd", "loop": { "displacement": 1e-6, "force": 1 } }),
+            ),
+        ),
+        (false, law(json!({ "type": "scaled_loop", "loop": { "displacement": 1e-6 } }))),
+        (
+            false,
+            law(json!({ "type": "scaled_loop", "loop": { "displacement": 1e-6, "harmonics": [[1, 0]] } })),
+        ),
+        (true, law(json!({ "type": "elastic_coulomb", "stiffness": 1, "slip_force": 1 }))),
+        (false, law(json!({ "type": "elastic_coulomb", "stiffness": 1, "slip_force": 0 }))),
+        (false, law(json!({ "type": "elastic_coulomb", "stiffness": 1 }))),
+        (false, law(json!({ "type": "iwan" }))),
+        (false, law(json!({ "stiffness": 1 }))),
+    ];
+    let laws = laws.into_iter().map(|(good, (place, value))| (good, place, value));
+    for (good, place, value) in cases.into_iter().chain(laws) {
+        let mut scene = base.clone();
+        *scene.pointer_mut(place).unwrap() = value.clone();
+        assert_eq!(fits(&scene), good, "schema: {place} {value}");
+        assert_eq!(
+            Scene::from_str(&scene.to_string(), Path::new(".")).is_ok(),
+            good,
+            "reader: {place} {value}"
+        );
+    }
+}
