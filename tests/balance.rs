@@ -1,0 +1,1 @@
+//! The balance against linear algebra, symmetry and known nonlinear oscillators.

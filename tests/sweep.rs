@@ -1,0 +1,1 @@
+//! Sweeps: independent of threads, units, neighbours; nothing allocated on the way.
