@@ -160,3 +160,34 @@ pub(crate) fn largest_gap(mut thetas: Vec<f64>) -> (f64, f64) {
         })
         .fold((last, first + TAU - last), |widest, gap| if gap.1 > widest.1 { gap } else { widest })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::turning_points::{extremes, turning_points};
+    use rand::SeedableRng;
+
+    #[test]
+    fn noise_does_not_blur_the_loop_phase_at_the_tips() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let (samples, noise) = (1000.0, 1e-3);
+        let position: Vec<f64> = (0..6000).map(f64::from).collect();
+        let w: Vec<f64> = position
+            .iter()
+            .map(|u| (TAU * u / samples).sin() + noise * crate::synthetic::normal(&mut rng))
+            .collect();
+        let points = turning_points(&position, &w, &extremes(&w, 0.5), 2.0);
+        let steady = Steady::find(&points, 0.02).unwrap();
+        let phases = loop_phases(&position, &w, &w, &steady).unwrap();
+        let off = |sample: &PhasedSample| {
+            let exact = (TAU * sample.position / samples - 0.5 * PI).rem_euclid(TAU);
+            let off = (sample.theta - exact).abs();
+            (exact % PI, off.min(TAU - off))
+        };
+        let near: Vec<f64> =
+            phases.samples.iter().map(off).filter(|(tip, _)| tip.min(PI - tip) < 0.03).map(|o| o.1).collect();
+        let rms = (near.iter().map(|off| off * off).sum::<f64>() / near.len() as f64).sqrt();
+        // From single samples it would be about √(2 · noise) = 0.045.
+        assert!(near.len() > 50 && rms < 0.008, "{rms}");
+    }
+}
