@@ -44,14 +44,9 @@ struct Tip {
 }
 
 impl Tip {
-    /// A turning point. What noise alone can move it is no reason to doubt that all of its kind are at one
-    /// level.
-    fn at(point: &TurningPoint, steady: &Steady) -> Self {
-        let level = steady.level(point.upper, point.position);
-        let by_noise = (point.displacement - level).abs() <= 3.0 * point.uncertainty;
-        let displacement = if by_noise { level } else { point.displacement };
+    fn at(point: &TurningPoint) -> Self {
         let parabola = point.curvature.map(|c| (point.window.clone(), c));
-        Self { position: point.position, displacement, parabola }
+        Self { position: point.position, displacement: point.displacement, parabola }
     }
 
     /// Distance of a sample from this tip \[m\], along the motion.
@@ -117,7 +112,7 @@ pub(crate) fn loop_phases(
         let mut found = false;
         for (a, b) in steady.points.iter().zip(steady.points.iter().skip(1)) {
             if a.upper != loading && seen(a) && seen(b) {
-                add(Tip::at(a, steady), Tip::at(b, steady), (a.position, b.position), loading, true);
+                add(Tip::at(a), Tip::at(b), (a.position, b.position), loading, true);
                 found = true;
             }
         }
@@ -127,7 +122,7 @@ pub(crate) fn loop_phases(
         // Pieces: from the record's start to the first turning point, from the last one to the end, and
         // between a turning point and one too close to the edge to be seen.
         let tip = |point: Option<&TurningPoint>, upper: bool, position: f64| match point {
-            Some(point) if seen(point) => Tip::at(point, steady),
+            Some(point) if seen(point) => Tip::at(point),
             _ => Tip { position, displacement: steady.level(upper, position), parabola: None },
         };
         let ends = |point: Option<&TurningPoint>, other: f64| point.map_or(other, |p| p.position);

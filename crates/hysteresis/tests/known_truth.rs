@@ -65,6 +65,15 @@ fn an_elastic_coulomb_loop_has_the_describing_function_of_its_closed_form() {
         w.push(displacement);
         f.push(slider);
     }
+    // Written with few digits it has steps, but no backlash.
+    let rounded = Record::new(
+        None,
+        w.iter().map(|w| (w / 4e-7).round() * 4e-7).collect(),
+        f.iter().map(|f| f64::round(*f)).collect(),
+    );
+    let notes = fitted(&rounded.unwrap()).notes;
+    assert!(!notes.iter().any(|note| matches!(note, Note::Backlash { .. })), "{notes:?}");
+
     let found = fitted(&Record::new(None, w, f).unwrap());
     let first = found.hysteresis_loop.coefficients()[1];
     // The kinks lie anywhere between two samples: (π/1000)² of the jump in slope, about stiffness ×
