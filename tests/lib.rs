@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use contact::{
-    Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, MagnitudeLaw, PhaseLaw, ScaledLoop,
-    Symmetry,
+    Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, MagnitudeLaw, PhaseLaw,
+    ScaledLoop, Symmetry,
 };
 use faer::{Mat, mat};
 use hbm::{Contact, Damping, Excitation, ExcitationKind, Model, Problem};
@@ -85,7 +85,9 @@ pub fn reference_loop() -> Loop {
 /// The paper's law on the shipped loop.
 pub fn scaled_reference_loop() -> Arc<dyn Law> {
     let (magnitude, phase) = (MagnitudeLaw::default(), PhaseLaw::default());
-    Arc::new(ScaledLoop::new(&reference_loop(), 0.0, magnitude, phase, Symmetry::Auto).expect("the paper's law"))
+    Arc::new(
+        ScaledLoop::new(&reference_loop(), 0.0, magnitude, phase, Symmetry::Auto).expect("the paper's law"),
+    )
 }
 
 /// The paper's scene: two masses with the paper's law on the shipped loop.

@@ -24,7 +24,8 @@ struct Parameters {
 
 impl Parameters {
     fn problem(&self) -> Problem {
-        let law = ScaledLoop::ellipse(self.displacement, self.force, MagnitudeLaw::default(), PhaseLaw::default());
+        let law =
+            ScaledLoop::ellipse(self.displacement, self.force, MagnitudeLaw::default(), PhaseLaw::default());
         let [c1, c2] = self.c;
         Problem {
             model: model(
@@ -138,7 +139,10 @@ fn every_solution_of_random_scenes() {
             assert!((one.contacts[0].amplitude - a).abs() < 1e-9 * a, "{context}");
         }
     }
-    assert!(stuck > 20 && sliding > 200, "{stuck} stuck, {sliding} sliding, {several} with several solutions");
+    assert!(
+        stuck > 20 && sliding > 200,
+        "{stuck} stuck, {sliding} sliding, {several} with several solutions"
+    );
 }
 
 /// The same balance iterated through time samples instead of solved in closed form.

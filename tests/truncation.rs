@@ -31,7 +31,9 @@ fn orbits(scene: &str) -> Vec<Orbit> {
 
 /// Relative l2 error of the spectrum of w1 over all harmonics.
 fn error(plan: &Plan, found: &[Complex64], exact: &Orbit) -> f64 {
-    let at = |k: usize| plan.orders().iter().position(|&order| order == k).map_or(Complex64::ZERO, |slot| found[slot]);
+    let at = |k: usize| {
+        plan.orders().iter().position(|&order| order == k).map_or(Complex64::ZERO, |slot| found[slot])
+    };
     let difference: f64 = exact.harmonics.iter().map(|&(k, w)| (at(k) - w).norm_sqr()).sum();
     let size: f64 = exact.harmonics.iter().map(|(_, w)| w.norm_sqr()).sum();
     (difference / size).sqrt()
@@ -73,7 +75,10 @@ fn scene_r_has_the_known_truncation_errors() {
             };
             assert!((error - expected).abs() <= tolerance, "{hertz} Hz, N = {harmonics}: {error:e}");
             if harmonics == 31 {
-                assert!((solution.contacts[0].dissipation / orbit.dissipation - 1.0).abs() < 1e-4, "{hertz} Hz");
+                assert!(
+                    (solution.contacts[0].dissipation / orbit.dissipation - 1.0).abs() < 1e-4,
+                    "{hertz} Hz"
+                );
             }
         }
     }

@@ -93,7 +93,8 @@ impl Plan {
             row.extend((0..slots).map(|slot| {
                 let entry = slot * outputs + o;
                 let recovery = &ws.condensed.recovery[entry * all..(entry + 1) * all];
-                let moved: c64 = recovery.iter().zip(contacts).map(|(r, contact)| r * contact.force[slot]).sum();
+                let moved: c64 =
+                    recovery.iter().zip(contacts).map(|(r, contact)| r * contact.force[slot]).sum();
                 ws.condensed.free_output[entry] + moved
             }));
         }
