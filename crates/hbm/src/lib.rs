@@ -28,6 +28,8 @@ mod solve;
 mod structure;
 mod sweep;
 mod transform;
+#[cfg(test)]
+mod verification;
 mod waveform;
 
 pub use error::{ModelError, PlanError};

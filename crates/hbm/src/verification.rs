@@ -1,0 +1,106 @@
+//! The Jacobian of the balance against central differences, for every kind of problem at once.
+
+use std::sync::Arc;
+
+use contact::{
+    Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, MagnitudeLaw, PhaseLaw,
+    ScaledLoop, Symmetry,
+};
+use faer::{Mat, c64, mat};
+use hysteresis::Loop;
+use num_complex::Complex64;
+
+use crate::balance::Homotopy;
+use crate::{Contact, Damping, Excitation, ExcitationKind, Model, Plan, Problem, Settings};
+
+/// A loop with even harmonics, so that the mean and even harmonics are unknowns too.
+fn uneven_law() -> Arc<dyn Law> {
+    let first = Complex64::from_polar(12.0, std::f64::consts::PI + PhaseLaw::default().value(1.0));
+    let harmonics = vec![
+        Complex64::ZERO,
+        first,
+        Complex64::new(0.5, -0.3),
+        Complex64::new(0.6, 2.3),
+        Complex64::new(-0.2, 0.1),
+    ];
+    let measured = Loop::new(8e-6, harmonics).unwrap();
+    let (magnitude, phase) = (MagnitudeLaw::default(), PhaseLaw::default());
+    Arc::new(ScaledLoop::new(&measured, 0.0, magnitude, phase, Symmetry::Full).unwrap())
+}
+
+fn problem() -> Problem {
+    let jenkins = ElasticCoulomb::new(ElasticCoulombParameters { stiffness: 2e6, slip_force: 5.0 }).unwrap();
+    let cubic = Cubic::new(CubicParameters { stiffness: 1e15 }).unwrap();
+    let contact =
+        |first, second, law: Arc<dyn Law>, scale| Contact { name: "c".into(), first, second, law, scale };
+    Problem {
+        model: Model::new(
+            mat![[4.0, 0.0, 0.0], [0.0, 1.3, 0.0], [0.0, 0.0, 0.8]],
+            Damping::Rayleigh { mass: 5.0, stiffness: 1e-5 },
+            mat![[9e5, -4e5, 0.0], [-4e5, 7e5, -2e5], [0.0, -2e5, 5e5]],
+        )
+        .unwrap(),
+        excitation: vec![
+            Excitation { dof: 1, harmonic: 1, amplitude: 9.0, phase: 0.2, kind: ExcitationKind::Force },
+            Excitation { dof: 2, harmonic: 2, amplitude: 4.0, phase: -1.0, kind: ExcitationKind::Force },
+            Excitation { dof: 2, harmonic: 0, amplitude: 2.0, phase: 0.0, kind: ExcitationKind::Force },
+        ],
+        contacts: vec![
+            contact(0, None, uneven_law(), 1.0),
+            contact(1, Some(0), Arc::new(jenkins), 2.0),
+            contact(2, Some(1), Arc::new(cubic), 1.0),
+        ],
+        output: vec![0],
+    }
+}
+
+#[test]
+fn the_jacobian_agrees_with_central_differences() {
+    let plan = Plan::new(&problem(), &Settings::new(4)).unwrap();
+    let mut ws = plan.workspace();
+    plan.structure.condense(70.0, &mut ws.condensed).unwrap();
+    let slots = plan.slots();
+    ws.point.set(&ws.condensed, &plan.contacts, slots, &[false; 3]);
+    let rung = plan.rungs.len() - 1;
+    let balance = plan.balance(rung);
+    let buffers = &mut ws.balance[rung];
+    let width = ws.point.width();
+    let size = balance.size(width, slots);
+    assert_eq!((slots, size), (5, 2 * 3 * 5 - 3));
+    for homotopy in [Homotopy::NONE, Homotopy { contact: 0.3, excitation: 2.0 }] {
+        // A motion that slips, with reversals; the mean is real.
+        let mut unknowns: Vec<c64> = (0..slots * width)
+            .map(|i| c64::from_polar(2.0 / (1 + i / width) as f64, 1.0 + 1.7 * i as f64))
+            .collect();
+        unknowns.iter_mut().take(width).for_each(|mean| mean.im = 0.0);
+        let mut matrix = Mat::zeros(size, size);
+        balance.evaluate(&ws.point, slots, homotopy, &unknowns, buffers).unwrap();
+        balance.jacobian(&ws.point, slots, homotopy, buffers, &mut matrix);
+        let scale = matrix.norm_max();
+        let h = 1e-6;
+        for entry in 0..slots * width {
+            let (column, is_complex) = balance.real_index(width, entry / width, entry % width);
+            for part in 0..if is_complex { 2 } else { 1 } {
+                let mut residual = |step: f64| -> Vec<c64> {
+                    let mut moved = unknowns.clone();
+                    moved[entry] += if part == 0 { c64::new(step, 0.0) } else { c64::new(0.0, step) };
+                    balance.evaluate(&ws.point, slots, homotopy, &moved, buffers).unwrap();
+                    buffers.residual.clone()
+                };
+                let (up, down) = (residual(h), residual(-h));
+                for row in 0..slots * width {
+                    let (r, row_complex) = balance.real_index(width, row / width, row % width);
+                    let slope = (up[row] - down[row]) / (2.0 * h);
+                    assert!(
+                        (slope.re - matrix[(r, column + part)]).abs() < 1e-7 * scale,
+                        "row {row}, entry {entry}"
+                    );
+                    if row_complex {
+                        let error = (slope.im - matrix[(r + 1, column + part)]).abs();
+                        assert!(error < 1e-7 * scale, "row {row}, entry {entry}: {error:e}");
+                    }
+                }
+            }
+        }
+    }
+}
