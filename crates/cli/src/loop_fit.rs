@@ -71,14 +71,17 @@ fn answer(fit: &Fit) -> Answer {
 fn text(fit: &Fit) -> String {
     let series = &fit.hysteresis_loop;
     let mut lines = vec![
-        ("displacement amplitude", format!("{:.4e} m (half peak-to-peak)", series.displacement_amplitude())),
-        ("force amplitude |F_1|", format!("{:.4e} N", series.force_amplitude())),
+        (
+            "displacement amplitude",
+            format!("{} m (half peak-to-peak)", digits(series.displacement_amplitude())),
+        ),
+        ("force amplitude |F_1|", format!("{} N", digits(series.force_amplitude()))),
         ("phase of F_1", format!("{:.4} rad = {:.4} π", series.phase(), series.phase() / PI)),
-        ("dissipation", format!("{:.4e} J a cycle", series.dissipation())),
+        ("dissipation", format!("{} J a cycle", digits(series.dissipation()))),
         ("steady cycles", fit.cycles.to_string()),
     ];
     if let Some(period) = fit.period {
-        lines.push(("period", format!("{period:.6} s ({:.4} Hz)", 1.0 / period)));
+        lines.push(("period", format!("{} s ({} Hz)", digits(period), digits(1.0 / period))));
     }
     let kept: Vec<String> = fit.kept_harmonics().map(|k| k.to_string()).collect();
     lines.extend([
@@ -95,4 +98,28 @@ fn text(fit: &Fit) -> String {
         let _ = writeln!(text, "note: {note}");
     }
     text
+}
+
+/// Five digits, with a power of ten only where it is needed.
+fn digits(value: f64) -> String {
+    let magnitude = value.abs().log10().floor();
+    if !(-2.0..5.0).contains(&magnitude) {
+        return format!("{value:.4e}");
+    }
+    let decimals = (4.0 - magnitude).max(0.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::digits;
+
+    #[test]
+    fn five_digits() {
+        assert_eq!(
+            ["12.000", "0.050000", "8.0000e-6", "1.2346e5"],
+            [12.0, 0.05, 8e-6, 123_456.0].map(digits)
+        );
+        assert_eq!(digits(0.0), "0.0000e0");
+    }
 }

@@ -90,9 +90,11 @@ fn read_record(entry: &Object, file: &Node, base: &Path) -> Result<MeasuredLoop,
     let record = Record::read(&path, &options).map_err(|error| file.error(error.to_string()))?;
     let fit = hysteresis::fit(&record, &FitSettings::default())
         .map_err(|error| file.error(format!("{}: {error}", path.display())))?;
-    // What becomes of even harmonics is said below; which harmonics were kept is said by `loop fit`.
-    let telling = |note: &&Note| !matches!(note, Note::Asymmetric { .. } | Note::Harmonics { .. });
-    let notes = fit.notes.iter().filter(telling).map(ToString::to_string).collect();
+    // What becomes of even harmonics is said below; what is the usual course is said by `loop fit`.
+    let usual = |note: &Note| {
+        matches!(note, Note::Asymmetric { .. } | Note::Harmonics { .. } | Note::RunUpRunDown { .. })
+    };
+    let notes = fit.notes.iter().filter(|note| !usual(note)).map(ToString::to_string).collect();
     Ok(MeasuredLoop::Series { hysteresis_loop: fit.hysteresis_loop, noise: fit.noise, notes })
 }
 
