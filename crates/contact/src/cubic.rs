@@ -68,8 +68,9 @@ impl Law for Cubic {
         Some(self)
     }
 
-    fn own_harmonics(&self) -> usize {
-        3
+    /// The force has three times the motion's harmonics; none of them may alias onto the motion's.
+    fn samples(&self, harmonics: usize) -> usize {
+        4 * (harmonics + 1)
     }
 }
 
@@ -80,5 +81,9 @@ impl DescribingFunction for Cubic {
             force: Complex64::from(0.75 * self.stiffness * a.powi(3)),
             derivative: Complex64::from(2.25 * self.stiffness * a * a),
         }
+    }
+
+    fn marks(&self, _a: f64) -> Marks {
+        Marks { extrapolated: false, state: ContactState::Stick }
     }
 }

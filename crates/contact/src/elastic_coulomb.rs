@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{LawError, ParameterError};
 use crate::law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
+use crate::masing::wrap;
 use crate::path::{Path, Piece, SampledPath};
 use crate::real::Real;
 use crate::tangent::{Recall, Tangent};
@@ -85,7 +86,7 @@ impl ElasticCoulomb {
 
     /// The force of a period that slips: k_t (w − w_r) + f_r, held to ±F_s. `sticking` receives the samples that do
     /// not slip, each piece with the turning point r at which the last slip ended.
-    fn trace<T: Real>(&self, path: &impl Path<T>, force: &mut [T], sticking: &mut Vec<Piece>) {
+    pub(crate) fn trace<T: Real>(&self, path: &impl Path<T>, force: &mut [T], sticking: &mut Vec<Piece>) {
         sticking.clear();
         let samples = force.len();
         // The spring is anchored where the last slip ended, at ±F_s.
@@ -96,22 +97,23 @@ impl ElasticCoulomb {
             let limit = if rising { self.slip_force } else { -self.slip_force };
             let spring = |w: T| (w - path.tip(anchor)) * self.stiffness + T::from(anchored);
             let slips = |f: T| if rising { f.value() > limit } else { f.value() < limit };
-            let (first, end) = (path.first_sample(r), path.first_sample(r + 1));
-            let mut j = first;
-            while j < end {
-                let f = spring(path.sample(j % samples));
+            let (start, end) = (path.first_sample(r), path.first_sample(r + 1));
+            let mut stick = 0;
+            for j in start..end {
+                let f = spring(path.sample(wrap(j, samples)));
                 if slips(f) {
                     break;
                 }
-                set(force, j % samples, f);
-                j += 1;
+                set(force, wrap(j, samples), f);
+                stick += 1;
             }
-            if j > first {
-                sticking.push(Piece { owner: anchor, first, end: j });
+            let first = wrap(start, samples);
+            if stick > 0 {
+                sticking.push(Piece { owner: anchor, first, length: stick });
             }
-            for j in j..end {
-                set(force, j % samples, T::from(limit));
-            }
+            let slipping =
+                Piece { owner: anchor, first: wrap(first + stick, samples), length: end - start - stick };
+            slipping.for_each(force, |f| *f = T::from(limit));
             if slips(spring(path.tip(r + 1))) {
                 anchor = r + 1;
                 anchored = limit;
@@ -200,11 +202,9 @@ impl Law for ElasticCoulomb {
 impl ElasticCoulomb {
     /// κ = k_t while sticking, and −k_t from the turning point at which the last slip ended.
     fn slipping_tangent(&self, path: &SampledPath, odd: bool, pieces: &[Piece], tangent: &mut Tangent) {
-        let samples = tangent.local.len();
         let count = path.count();
-        let sticking = |piece: &Piece| (piece.first..piece.end).map(move |j| j % samples);
-        for j in pieces.iter().flat_map(sticking) {
-            set(&mut tangent.local, j, self.stiffness);
+        for piece in pieces {
+            piece.for_each(&mut tangent.local, |kappa| *kappa = self.stiffness);
         }
         // In odd motion δw(τ + π) = −δw(τ): opposite turning points share one memory.
         let distinct = if odd { count / 2 } else { count };
@@ -216,9 +216,7 @@ impl ElasticCoulomb {
             for piece in pieces.iter().filter(|piece| piece.owner % distinct == r) {
                 let mirrored = odd && (piece.owner / distinct) % 2 == 1;
                 let strength = if mirrored { self.stiffness } else { -self.stiffness };
-                for j in sticking(piece) {
-                    set(influence, j, strength);
-                }
+                piece.for_each(influence, |s| *s = strength);
             }
         }
     }
@@ -247,6 +245,11 @@ impl DescribingFunction for ElasticCoulomb {
                 damping * xc / (a * a),
             ),
         }
+    }
+
+    fn marks(&self, a: f64) -> Marks {
+        let slips = a > self.slip_displacement();
+        Marks { extrapolated: false, state: if slips { ContactState::Mixed } else { ContactState::Stick } }
     }
 
     fn landmark(&self) -> Option<f64> {

@@ -37,9 +37,10 @@ pub struct Motion<'a> {
 }
 
 /// What the contact does over the period.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ContactState {
     /// Elastic all the time.
+    #[default]
     Stick,
     /// Slipping all the time.
     Slip,
@@ -78,6 +79,9 @@ pub trait DescribingFunction {
         Complex64::ZERO
     }
 
+    /// What the contact does during harmonic motion of amplitude `a` in m.
+    fn marks(&self, a: f64) -> Marks;
+
     /// An amplitude where `dF_1/da` jumps or `F_1` changes its character, in m.
     fn landmark(&self) -> Option<f64> {
         None
@@ -99,8 +103,8 @@ impl Workspace {
     pub fn new(samples: usize) -> Self {
         Self {
             turning_points: TurningPoints::default(),
-            masing: Masing::default(),
-            masing_tangent: MasingTangent::default(),
+            masing: Masing::new(),
+            masing_tangent: MasingTangent::new(),
             pieces: Vec::new(),
             tangent: Tangent::new(samples),
         }
@@ -146,9 +150,9 @@ pub trait Law: Send + Sync + fmt::Debug {
         self.describing_function().map_or(0.0, |law| law.at_rest().norm())
     }
 
-    /// Most harmonics the law's own description has (1 where that has no meaning): more samples than this plus
-    /// the motion's harmonics are needed for the force not to alias.
-    fn own_harmonics(&self) -> usize {
-        1
+    /// Samples a period that the law asks for when the motion has `harmonics` harmonics. The default suits forces
+    /// with kinks, whose sampling error falls with the square of the number of samples.
+    fn samples(&self, harmonics: usize) -> usize {
+        (16 * (harmonics + 1)).max(256)
     }
 }

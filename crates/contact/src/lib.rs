@@ -36,6 +36,8 @@ mod scaled_loop;
 mod scaling;
 mod tangent;
 mod turning_points;
+#[cfg(test)]
+mod verification;
 
 pub use cubic::{Cubic, CubicParameters};
 pub use elastic_coulomb::{ElasticCoulomb, ElasticCoulombParameters};

@@ -66,6 +66,10 @@ impl Law for Linear {
     fn describing_function(&self) -> Option<&dyn DescribingFunction> {
         Some(self)
     }
+
+    fn samples(&self, harmonics: usize) -> usize {
+        2 * (harmonics + 1)
+    }
 }
 
 impl DescribingFunction for Linear {
@@ -74,5 +78,9 @@ impl DescribingFunction for Linear {
             force: Complex64::from(self.stiffness * a),
             derivative: Complex64::from(self.stiffness),
         }
+    }
+
+    fn marks(&self, _a: f64) -> Marks {
+        Marks { extrapolated: false, state: ContactState::Stick }
     }
 }

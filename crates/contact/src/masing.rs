@@ -8,6 +8,8 @@
 //! The rule is continuous where reversals appear, vanish or tie. For a loop whose branches are not mirror images
 //! a minor branch is scaled by the `ratio` that makes it end where it should.
 
+use num_complex::Complex;
+
 use crate::loop_curve::{Direction, LoopCurve, Place};
 use crate::path::{Path, Piece};
 use crate::real::Real;
@@ -31,28 +33,40 @@ pub(crate) struct Branch<T> {
 }
 
 /// The branches of one period and the samples on them; reused between evaluations.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Masing<T> {
     pub(crate) curve: LoopCurve<T>,
     pub(crate) branches: Vec<Branch<T>>,
     pub(crate) pieces: Vec<Piece>,
+    /// e^{iθ} of every sample on its branch.
+    pub(crate) units: Vec<Complex<T>>,
     stack: Vec<usize>,
 }
 
-/// Place on `branch` at displacement distance `gone` from its start, both in units of the amplitude.
-pub(crate) fn place<T: Real>(gone: T) -> Place<T> {
-    let gone = if gone.value() < 0.0 { T::from(0.0) } else { gone };
-    let left = T::from(2.0) - gone;
-    Place { gone, left: if left.value() < 0.0 { T::from(0.0) } else { left } }
+/// Sample number within the period of a number that counted on past its end.
+#[inline(always)]
+pub(crate) fn wrap(j: usize, samples: usize) -> usize {
+    if j < samples { j } else { j - samples }
 }
 
 impl<T: Real> Masing<T> {
+    /// Empty buffers.
+    pub(crate) fn new() -> Self {
+        Self {
+            curve: LoopCurve::new(),
+            branches: Vec::new(),
+            pieces: Vec::new(),
+            units: Vec::new(),
+            stack: Vec::new(),
+        }
+    }
+
     /// Walks through one period of `path` with loop amplitude `a` and writes the force at every sample.
     pub(crate) fn trace(&mut self, path: &impl Path<T>, a: T, force: &mut [T]) {
+        let samples = force.len();
         self.branches.clear();
         self.pieces.clear();
-        self.stack.clear();
-        let samples = force.len();
+        self.units.resize(samples, Complex { re: T::from(1.0), im: T::from(0.0) });
         let lowest = path.lowest();
         for r in 0..path.count() {
             if r == 0 {
@@ -62,8 +76,16 @@ impl<T: Real> Masing<T> {
             } else {
                 self.reverse(path, a, r);
             }
-            self.walk(path, a, path.first_sample(r), path.first_sample(r + 1), force, samples);
+            self.walk(path, a, path.first_sample(r), path.first_sample(r + 1), samples);
             self.close_until(path, path.tip(r + 1));
+        }
+        self.curve.force.evaluate(&self.units, force);
+        for piece in &self.pieces {
+            let Some(branch) = self.branches.get(piece.owner) else { continue };
+            let (curve, sign) = (&self.curve, branch.direction.sign());
+            piece.for_each(force, |f| {
+                *f = branch.force_at_start + branch.ratio * curve.change_to(branch.direction, *f) * sign;
+            });
         }
     }
 
@@ -78,22 +100,22 @@ impl<T: Real> Masing<T> {
     /// Starts a minor branch at turning point `r`, towards the start of the branch it interrupts.
     fn reverse(&mut self, path: &impl Path<T>, a: T, r: usize) {
         let Some((parent, branch)) = self.current() else { return };
-        let gone = (path.tip(r) - path.tip(branch.start)) * branch.direction.sign() / a;
-        let turn = place(gone);
-        let force_at_start = self.force_on(&branch, turn);
+        let sign = branch.direction.sign();
+        let turn = Place::at((path.tip(r) - path.tip(branch.start)) * sign / a);
+        let change = self.curve.change(branch.direction, turn);
         let direction = branch.direction.reversed();
         let ratio = if self.curve.is_odd() || turn.gone.value() <= 0.0 {
             branch.ratio
         } else {
             // Ends at the force where the interrupted branch began.
-            branch.ratio * self.curve.change(branch.direction, turn) / self.curve.change(direction, turn)
+            branch.ratio * change / self.curve.change(direction, turn)
         };
         self.stack.push(self.branches.len());
         self.branches.push(Branch {
             start: r,
             target: branch.start,
             direction,
-            force_at_start,
+            force_at_start: branch.force_at_start + branch.ratio * change * sign,
             ratio,
             main: false,
             parent,
@@ -117,44 +139,43 @@ impl<T: Real> Masing<T> {
         }
     }
 
-    /// Forces at samples `first..end` (counted on past a full period) between two turning points.
-    fn walk(&mut self, path: &impl Path<T>, a: T, first: usize, end: usize, force: &mut [T], samples: usize) {
+    /// Places samples `first..end` (counted on past a full period) between two turning points on their branches.
+    fn walk(&mut self, path: &impl Path<T>, a: T, first: usize, end: usize, samples: usize) {
+        let per_amplitude = T::from(1.0) / a;
         let mut from = first;
         while from < end {
-            self.close_until(path, path.sample(from % samples));
-            let Some((index, branch)) = self.current() else { return };
+            self.close_until(path, path.sample(wrap(from, samples)));
+            let Some((owner, branch)) = self.current() else { return };
             // The branch may close on the way; on the lowest two levels it cannot.
             let closes = self.stack.len() > 2;
             let target = path.tip(branch.target);
+            let sign = branch.direction.sign();
             let mut j = from;
             while j < end {
-                let sample = j % samples;
-                if closes && ((path.sample(sample) - target) * branch.direction.sign()).value() > 0.0 {
+                let sample = wrap(j, samples);
+                if closes && ((path.sample(sample) - target) * sign).value() > 0.0 {
                     break;
                 }
-                let here = self.place_of(path, a, &branch, sample);
-                if let Some(slot) = force.get_mut(sample) {
-                    *slot = self.force_on(&branch, here);
+                let here = branch.place(path, per_amplitude, sample);
+                if let Some(unit) = self.units.get_mut(sample) {
+                    *unit = here.unit(branch.direction);
                 }
                 j += 1;
             }
-            self.pieces.push(Piece { owner: index, first: from, end: j });
+            self.pieces.push(Piece { owner, first: wrap(from, samples), length: j - from });
             from = j;
         }
     }
+}
 
-    /// Where sample `j` lies on `branch`.
-    pub(crate) fn place_of(&self, path: &impl Path<T>, a: T, branch: &Branch<T>, j: usize) -> Place<T> {
-        let here = place(path.distance(j, branch.start) / a);
-        if branch.main && here.left.value() < 1.0 {
-            let back = place(path.distance(j, branch.target) / a);
-            return Place { gone: back.left, left: back.gone };
+impl<T: Real> Branch<T> {
+    /// Where sample `j` lies on the branch. On a main branch it is measured from the nearer tip.
+    #[inline]
+    pub(crate) fn place(&self, path: &impl Path<T>, per_amplitude: T, j: usize) -> Place<T> {
+        let here = Place::at(path.distance(j, self.start) * per_amplitude);
+        if self.main && here.left.value() < 1.0 {
+            return Place::at(path.distance(j, self.target) * per_amplitude).reversed();
         }
         here
-    }
-
-    fn force_on(&self, branch: &Branch<T>, place: Place<T>) -> T {
-        let change = branch.ratio * self.curve.change(branch.direction, place);
-        branch.force_at_start + change * branch.direction.sign()
     }
 }

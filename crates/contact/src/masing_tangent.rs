@@ -12,9 +12,9 @@
 //! points, which gives one row of derivatives a branch.
 
 use crate::law::Motion;
-use crate::loop_curve::{Direction, LoopCurve, Place};
-use crate::masing::{Branch, Masing, place};
-use crate::path::{Path, SampledPath};
+use crate::loop_curve::{Direction, LoopCurve, Place, stiffness};
+use crate::masing::{Branch, Masing};
+use crate::path::{Path, Piece, SampledPath};
 use crate::tangent::{Recall, Tangent};
 use crate::turning_points::TurningPoints;
 
@@ -22,8 +22,11 @@ use crate::turning_points::TurningPoints;
 /// errors of both forms, ε/δ and δ, are about equal here.
 const AT_TIP: f64 = 1e-8;
 
+/// |sin θ| below which a sample may be that close to a tip.
+const NEAR_TIP: f64 = 1e-3;
+
 /// Buffers for the derivatives; reused between evaluations.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct MasingTangent {
     /// ∂c_k/∂a: how the loop changes with its amplitude.
     pub(crate) growth: LoopCurve<f64>,
@@ -47,6 +50,18 @@ struct Local {
 }
 
 impl MasingTangent {
+    /// Empty buffers.
+    pub(crate) fn new() -> Self {
+        Self {
+            growth: LoopCurve::new(),
+            force_rows: Vec::new(),
+            ratio_rows: Vec::new(),
+            amplitude: Vec::new(),
+            ratio: Vec::new(),
+            at_tips: Vec::new(),
+        }
+    }
+
     fn local(&self, curve: &LoopCurve<f64>, branch: &Branch<f64>, here: Place<f64>, a: f64) -> Local {
         let sigma = branch.direction.sign();
         let by_place = branch.ratio * curve.stiffness(branch.direction, here) / a;
@@ -54,16 +69,6 @@ impl MasingTangent {
             kappa: by_place,
             amplitude: sigma
                 * (branch.ratio * self.growth.change(branch.direction, here) - by_place * here.gone),
-            ratio: sigma * curve.change(branch.direction, here),
-        }
-    }
-
-    /// As [`MasingTangent::local`] without the singular part, which cancels at a tip.
-    fn local_at_tip(&self, curve: &LoopCurve<f64>, branch: &Branch<f64>, here: Place<f64>) -> Local {
-        let sigma = branch.direction.sign();
-        Local {
-            kappa: 0.0,
-            amplitude: sigma * branch.ratio * self.growth.change(branch.direction, here),
             ratio: sigma * curve.change(branch.direction, here),
         }
     }
@@ -88,7 +93,7 @@ impl MasingTangent {
             }
             let Some(parent) = masing.branches.get(branch.parent) else { continue };
             let travelled = (path.tip(branch.start) - path.tip(parent.start)) * parent.direction.sign();
-            let turn = place(travelled / a);
+            let turn = Place::at(travelled / a);
             let local = self.local(&masing.curve, parent, turn, a);
             let theirs = branch.parent * count;
             for i in 0..count {
@@ -155,25 +160,52 @@ impl MasingTangent {
         tangent.clear();
         self.rows(period);
         self.amplitude.resize(samples, 0.0);
+        self.ratio.clear();
         self.ratio.resize(samples, 0.0);
         self.at_tips.clear();
+        // κ first holds dL/dθ, g first dL/da, and σ S first L of every sample.
+        masing.curve.slope.evaluate(&masing.units, &mut tangent.local);
+        self.growth.force.evaluate(&masing.units, &mut self.amplitude);
+        if !masing.curve.is_odd() {
+            masing.curve.force.evaluate(&masing.units, &mut self.ratio);
+        }
         for piece in &masing.pieces {
-            let Some(branch) = masing.branches.get(piece.owner) else { continue };
-            for j in (piece.first..piece.end).map(|j| j % samples) {
-                let here = masing.place_of(path, a, branch, j);
-                let local = match tip_at(path, branch, here, j) {
-                    None => self.local(&masing.curve, branch, here, a),
-                    Some(tip) => {
-                        self.at_tips.extend(velocity_influence(period, branch, tip).map(|s| (j, tip, s)));
-                        self.local_at_tip(&masing.curve, branch, here)
-                    }
-                };
-                set(&mut tangent.local, j, local.kappa);
-                set(&mut self.amplitude, j, local.amplitude);
-                set(&mut self.ratio, j, local.ratio);
+            if let Some(branch) = masing.branches.get(piece.owner) {
+                self.piece(period, branch, piece, &mut tangent.local);
             }
         }
         self.remember(period, motion.odd, tangent);
+    }
+
+    /// κ, g and σ S of the samples of one piece.
+    fn piece(&mut self, period: &Period, branch: &Branch<f64>, piece: &Piece, kappa: &mut [f64]) {
+        let Period { masing, path, a, .. } = *period;
+        let sigma = branch.direction.sign();
+        let per_amplitude = 1.0 / a;
+        for j in piece.ranges(kappa.len()).into_iter().flatten() {
+            let z = value(&masing.units, j);
+            let gone = match branch.direction {
+                Direction::Unloading => 1.0 - z.re,
+                Direction::Loading => 1.0 + z.re,
+            };
+            // The phase is looked at only where the displacement is close to a tip's.
+            let tip = if z.im.abs() < NEAR_TIP { tip_at(path, branch, j) } else { None };
+            let by_place = match tip {
+                None if z.im == 0.0 => 0.0,
+                None => branch.ratio * stiffness(value(kappa, j), z) * per_amplitude,
+                Some(tip) => {
+                    self.at_tips.extend(velocity_influence(period, branch, tip).map(|s| (j, tip, s)));
+                    0.0
+                }
+            };
+            set(kappa, j, by_place);
+            let growth = self.growth.change_to(branch.direction, value(&self.amplitude, j));
+            set(&mut self.amplitude, j, sigma * (branch.ratio * growth - by_place * gone));
+            if !masing.curve.is_odd() {
+                let change = masing.curve.change_to(branch.direction, value(&self.ratio, j));
+                set(&mut self.ratio, j, sigma * change);
+            }
+        }
     }
 
     /// Collects the influence of every turning point. In odd motion δw(τ + π) = −δw(τ), so opposite turning points
@@ -209,7 +241,7 @@ impl MasingTangent {
             if inherited == 0.0 && by_ratio == 0.0 && by_kappa == 0.0 && by_amplitude == 0.0 {
                 continue;
             }
-            for j in (piece.first..piece.end).map(|j| j % samples) {
+            for j in piece.ranges(samples).into_iter().flatten() {
                 let s = inherited
                     + by_kappa * value(kappa, j)
                     + by_amplitude * value(&self.amplitude, j)
@@ -229,13 +261,13 @@ struct Period<'a> {
     lowest: usize,
 }
 
-/// The turning point that sample `j` sits on, if it does.
-fn tip_at(path: &SampledPath, branch: &Branch<f64>, here: Place<f64>, j: usize) -> Option<usize> {
-    if here.gone == 0.0 || path.phase_after(j, branch.start).abs() < AT_TIP {
+/// The turning point that sample `j` sits on, if it does; for samples close to one.
+#[inline]
+fn tip_at(path: &SampledPath, branch: &Branch<f64>, j: usize) -> Option<usize> {
+    if path.phase_after(j, branch.start).abs() < AT_TIP {
         return Some(branch.start);
     }
-    let at_end = here.left == 0.0 || (branch.main && path.phase_after(j, branch.target).abs() < AT_TIP);
-    at_end.then_some(branch.target)
+    (path.phase_after(j, branch.target).abs() < AT_TIP).then_some(branch.target)
 }
 
 /// Influence of the velocity at turning point `tip` on the force there: `δf = ∓ λ L_θ δẇ / √(a |ẅ|)`, minus at an upper
@@ -253,8 +285,9 @@ fn velocity_influence(period: &Period, branch: &Branch<f64>, tip: usize) -> Opti
     Some(from_here.sign() * branch.ratio * slope / (period.a * acceleration).sqrt())
 }
 
-fn value(row: &[f64], i: usize) -> f64 {
-    row.get(i).copied().unwrap_or(0.0)
+#[inline(always)]
+fn value<T: Copy + Default>(row: &[T], i: usize) -> T {
+    row.get(i).copied().unwrap_or_default()
 }
 
 fn add(row: &mut [f64], i: usize, x: f64) {

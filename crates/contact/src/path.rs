@@ -1,17 +1,35 @@
 //! A period of motion as hysteretic laws walk through it: turning points, and the samples between them.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use crate::law::Motion;
 use crate::turning_points::{TurningPoint, TurningPoints, drop_from};
 
-/// Consecutive samples that share an owner (a branch, a turning point). Samples count on from the first after the
-/// global maximum and may exceed the number of samples of a period.
+/// Consecutive samples that share an owner (a branch, a turning point); they may run over the end of the period.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
     pub(crate) owner: usize,
+    /// Number of the first sample, below the number of samples.
     pub(crate) first: usize,
-    pub(crate) end: usize,
+    pub(crate) length: usize,
+}
+
+impl Piece {
+    /// Calls `visit` for the entry of every sample of the piece in `row`.
+    #[inline]
+    pub(crate) fn for_each<T>(&self, row: &mut [T], mut visit: impl FnMut(&mut T)) {
+        let [before, after] = self.ranges(row.len());
+        row.get_mut(before).unwrap_or_default().iter_mut().for_each(&mut visit);
+        row.get_mut(after).unwrap_or_default().iter_mut().for_each(visit);
+    }
+
+    /// The samples up to the end of the period, and those from its beginning.
+    #[inline]
+    pub(crate) fn ranges(&self, samples: usize) -> [Range<usize>; 2] {
+        let end = self.first + self.length;
+        [self.first..end.min(samples), 0..end.saturating_sub(samples)]
+    }
 }
 
 /// Displacements at turning points and samples, for any number type.

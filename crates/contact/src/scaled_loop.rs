@@ -147,7 +147,7 @@ impl ScaledLoop {
     }
 
     /// c_1(α) in N and dc_1/dα.
-    fn first(&self, alpha: f64) -> (Complex64, Complex64) {
+    pub(crate) fn first(&self, alpha: f64) -> (Complex64, Complex64) {
         let g = self.magnitude.value(alpha);
         let unit = Complex64::from_polar(self.reference_force, PI + self.phase.value(alpha));
         let derivative = Complex64::new(self.magnitude.derivative(alpha), g * self.phase.derivative(alpha));
@@ -155,7 +155,7 @@ impl ScaledLoop {
     }
 
     /// Coefficients c_k with the given c_1; the same for derivatives, as σ is linear in c_1.
-    fn coefficients(&self, first: Complex64) -> impl Iterator<Item = Complex64> {
+    pub(crate) fn coefficients(&self, first: Complex64) -> impl Iterator<Item = Complex64> + Clone {
         self.shape.iter().enumerate().map(move |(k, shape)| if k == 1 { first } else { shape * first.im })
     }
 }
@@ -190,7 +190,7 @@ impl Law for ScaledLoop {
         masing.curve.set(self.coefficients(first), self.odd);
         masing_tangent.growth.set(self.coefficients(derivative / self.reference_displacement), self.odd);
         masing.trace(&SampledPath::new(motion, tips), a, force);
-        Ok(Marks { extrapolated: alpha > 1.0 + 1e-9, state: ContactState::Mixed })
+        Ok(self.marks(a))
     }
 
     fn tangent<'w>(&self, motion: &Motion, workspace: &'w mut Workspace) -> &'w Tangent {
@@ -203,8 +203,9 @@ impl Law for ScaledLoop {
         Some(self)
     }
 
-    fn own_harmonics(&self) -> usize {
-        self.shape.len().saturating_sub(1)
+    /// No harmonic of the loop may alias onto one of the motion.
+    fn samples(&self, harmonics: usize) -> usize {
+        (16 * (harmonics + 1)).max(256).max(4 * (self.shape.len() + harmonics))
     }
 }
 
@@ -216,6 +217,11 @@ impl DescribingFunction for ScaledLoop {
 
     fn at_rest(&self) -> Complex64 {
         self.first(0.0).0
+    }
+
+    fn marks(&self, a: f64) -> Marks {
+        let extrapolated = a > self.reference_displacement * (1.0 + 1e-9);
+        Marks { extrapolated, state: ContactState::Mixed }
     }
 
     fn landmark(&self) -> Option<f64> {

@@ -9,13 +9,26 @@
 //! One-sided complex amplitudes, `w(t) = Re Σ_{k=0..N} W_k e^{ikΩt}`; SI units; frequencies in Hz. A contact force is
 //! given as it acts **on the first body** of the contact: it opposes the motion.
 
+mod balance;
+mod dense;
 mod error;
+mod harmonics;
+mod holding;
+mod ladder;
 mod model;
+mod newton;
 mod plan;
+mod point;
 mod problem;
+mod report;
+mod scalar;
 mod settings;
 mod solution;
+mod solve;
+mod structure;
 mod sweep;
+mod transform;
+mod waveform;
 
 pub use error::{ModelError, PlanError};
 pub use model::{Damping, Model};

@@ -1,6 +1,6 @@
 //! The linear structure: mass, damping and stiffness.
 
-use faer::Mat;
+use faer::{Mat, MatRef, Side};
 
 use crate::error::ModelError;
 
@@ -28,14 +28,31 @@ pub struct Model {
     pub(crate) stiffness: Mat<f64>,
 }
 
+/// Relative asymmetry that is taken for rounding in a file.
+const SYMMETRY: f64 = 1e-9;
+
+/// Eigenvalue of the mass, relative to the largest, below which it counts as zero.
+const MASSLESS: f64 = 1e-13;
+
 impl Model {
     /// Checks the matrices: n × n, finite, mass and stiffness symmetric, mass positive semidefinite.
     ///
     /// # Errors
     /// [`ModelError`] naming the matrix and the entry.
     pub fn new(mass: Mat<f64>, damping: Damping, stiffness: Mat<f64>) -> Result<Self, ModelError> {
-        let Damping::Matrix(damping) = damping else {
-            return Err(ModelError { matrix: "damping", problem: "not supported yet".into() });
+        let n = mass.nrows();
+        if n == 0 {
+            return Err(ModelError::new("mass", "is empty"));
+        }
+        let mass = symmetric("mass", check("mass", mass, n)?)?;
+        let stiffness = symmetric("stiffness", check("stiffness", stiffness, n)?)?;
+        semidefinite(&mass)?;
+        let damping = match damping {
+            Damping::Matrix(damping) => check("damping", damping, n)?,
+            Damping::Rayleigh { mass: a, stiffness: b } => {
+                check("damping", Mat::from_fn(n, n, |i, j| a * mass[(i, j)] + b * stiffness[(i, j)]), n)?
+            }
+            Damping::ModalRatio(ratio) => modal_damping(&mass, &stiffness, ratio)?,
         };
         Ok(Self { mass, damping, stiffness })
     }
@@ -45,9 +62,237 @@ impl Model {
         self.mass.nrows()
     }
 
-    /// Natural frequencies of the structure without contacts and damping in Hz, ascending; those of massless dofs
-    /// (infinite) are left out.
+    /// Natural frequencies of the structure without contacts and damping in Hz, ascending. Massless dofs have none;
+    /// an unstable direction (negative stiffness) is left out. Empty when neither mass nor stiffness is positive
+    /// definite.
     pub fn natural_frequencies(&self) -> Vec<f64> {
-        Vec::new()
+        let Some(modes) = Modes::of(&self.mass, &self.stiffness) else { return Vec::new() };
+        let mut frequencies: Vec<f64> = modes
+            .squares
+            .iter()
+            .filter(|square| square.is_finite() && **square >= 0.0)
+            .map(|square| square.sqrt() / std::f64::consts::TAU)
+            .collect();
+        frequencies.sort_by(f64::total_cmp);
+        frequencies
+    }
+}
+
+impl ModelError {
+    fn new(matrix: &'static str, problem: impl Into<String>) -> Self {
+        Self { matrix, problem: problem.into() }
+    }
+}
+
+fn check(name: &'static str, matrix: Mat<f64>, n: usize) -> Result<Mat<f64>, ModelError> {
+    if matrix.nrows() != n || matrix.ncols() != n {
+        let size = format!("{} x {}", matrix.nrows(), matrix.ncols());
+        return Err(ModelError::new(name, format!("must be {n} x {n} as the mass has {n} rows, got {size}")));
+    }
+    for j in 0..n {
+        for i in 0..n {
+            if !matrix[(i, j)].is_finite() {
+                return Err(ModelError::new(name, format!("entry [{i}][{j}] is not a finite number")));
+            }
+        }
+    }
+    Ok(matrix)
+}
+
+/// Checks symmetry up to rounding, and makes it exact.
+fn symmetric(name: &'static str, matrix: Mat<f64>) -> Result<Mat<f64>, ModelError> {
+    let n = matrix.nrows();
+    for j in 0..n {
+        for i in 0..j {
+            let (upper, lower) = (matrix[(i, j)], matrix[(j, i)]);
+            // Against the diagonal, so that a model with masses of very different size is judged fairly.
+            let size =
+                upper.abs().max(lower.abs()).max((matrix[(i, i)] * matrix[(j, j)]).abs().sqrt() * 1e-3);
+            if (upper - lower).abs() > SYMMETRY * size {
+                return Err(ModelError::new(
+                    name,
+                    format!(
+                        "must be symmetric, but entry [{i}][{j}] is {upper} and entry [{j}][{i}] is {lower}"
+                    ),
+                ));
+            }
+        }
+    }
+    Ok(Mat::from_fn(n, n, |i, j| 0.5 * (matrix[(i, j)] + matrix[(j, i)])))
+}
+
+/// D^{-1/2} A D^{-1/2} with D the magnitudes of the diagonal: masses and stiffnesses of very different size become
+/// comparable, and definiteness does not change.
+fn balanced(matrix: &Mat<f64>) -> Mat<f64> {
+    let scale = |i: usize| match matrix[(i, i)].abs().sqrt() {
+        0.0 => 1.0,
+        root => root,
+    };
+    Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] / (scale(i) * scale(j)))
+}
+
+fn semidefinite(mass: &Mat<f64>) -> Result<(), ModelError> {
+    let values = balanced(mass)
+        .self_adjoint_eigenvalues(Side::Lower)
+        .map_err(|_| ModelError::new("mass", "its eigenvalues could not be computed"))?;
+    let largest = values.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
+    let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    if largest == 0.0 {
+        return Err(ModelError::new("mass", "is zero; at least one dof needs a mass"));
+    }
+    if smallest < -MASSLESS * largest * mass.nrows() as f64 {
+        return Err(ModelError::new(
+            "mass",
+            "must be positive semidefinite, but has a negative eigenvalue (a motion with negative kinetic energy)",
+        ));
+    }
+    Ok(())
+}
+
+/// Undamped modes: squares of the angular frequencies (infinite where massless) and the matrix that modal damping
+/// needs.
+struct Modes {
+    squares: Vec<f64>,
+    /// Σ over modes of 2 ω (M φ)(M φ)ᵀ with φᵀ M φ = 1: damping of unit ratio.
+    unit_damping: Mat<f64>,
+}
+
+impl Modes {
+    /// From whichever of mass and stiffness is positive definite.
+    fn of(mass: &Mat<f64>, stiffness: &Mat<f64>) -> Option<Self> {
+        let n = mass.nrows();
+        if let Some((values, vectors)) = generalised(stiffness, mass) {
+            // C φ = ω² M φ with φᵀ M φ = 1.
+            let omega: Vec<f64> = values.iter().map(|v| v.max(0.0).sqrt()).collect();
+            let momenta = mass * &vectors;
+            let weight = |r: usize| 2.0 * omega.get(r).copied().unwrap_or(0.0);
+            return Some(Self { squares: values, unit_damping: weighted_square(&momenta, weight, n) });
+        }
+        // M φ = μ C φ with φᵀ C φ = 1 and μ = 1/ω²: massless directions have μ = 0. M-normalised φ' = φ/√μ = ω φ.
+        let (values, vectors) = generalised(mass, stiffness)?;
+        let largest = values.iter().copied().fold(0.0_f64, f64::max);
+        let massless = move |mu: f64| mu <= MASSLESS * largest;
+        let momenta = mass * &vectors;
+        let weight = |r: usize| match values.get(r) {
+            Some(&mu) if !massless(mu) => 2.0 * mu.powf(-1.5),
+            _ => 0.0,
+        };
+        let unit_damping = weighted_square(&momenta, weight, n);
+        let squares = values.iter().map(|&mu| if massless(mu) { f64::INFINITY } else { 1.0 / mu }).collect();
+        Some(Self { squares, unit_damping })
+    }
+}
+
+fn weighted_square(columns: &Mat<f64>, weight: impl Fn(usize) -> f64, n: usize) -> Mat<f64> {
+    Mat::from_fn(n, n, |i, j| (0..n).map(|r| weight(r) * columns[(i, r)] * columns[(j, r)]).sum())
+}
+
+/// A φ = λ B φ with φᵀ B φ = 1, through the Cholesky factor of B; `None` when B is not positive definite.
+fn generalised(a: &Mat<f64>, b: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
+    let n = a.nrows();
+    // Only a matrix that is definite after balancing counts: the factor of an indefinite one is noise.
+    let values = balanced(b).self_adjoint_eigenvalues(Side::Lower).ok()?;
+    if values.iter().any(|v| *v <= MASSLESS * n as f64) {
+        return None;
+    }
+    let factor = b.llt(Side::Lower).ok()?;
+    let lower = factor.L();
+    let solve = |rhs: &mut Mat<f64>| {
+        faer::linalg::triangular_solve::solve_lower_triangular_in_place(lower, rhs.as_mut(), faer::Par::Seq);
+    };
+    let mut half = a.clone();
+    solve(&mut half);
+    let mut reduced = half.transpose().to_owned();
+    solve(&mut reduced);
+    let eigen = reduced.self_adjoint_eigen(Side::Lower).ok()?;
+    let values = eigen.S().column_vector().iter().copied().collect();
+    let mut vectors = eigen.U().to_owned();
+    let upper: MatRef<'_, f64> = lower.transpose();
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(upper, vectors.as_mut(), faer::Par::Seq);
+    Some((values, vectors))
+}
+
+fn modal_damping(mass: &Mat<f64>, stiffness: &Mat<f64>, ratio: f64) -> Result<Mat<f64>, ModelError> {
+    if !ratio.is_finite() || ratio < 0.0 {
+        return Err(ModelError::new("damping.modal_ratio", format!("must not be negative, got {ratio}")));
+    }
+    let modes = Modes::of(mass, stiffness).ok_or_else(|| {
+        ModelError::new(
+            "damping.modal_ratio",
+            "needs modes, but neither mass nor stiffness is positive definite; give a damping matrix instead",
+        )
+    })?;
+    if modes.squares.iter().any(|square| *square < 0.0) {
+        return Err(ModelError::new(
+            "stiffness",
+            "has a negative eigenvalue, so modes are unstable; give a damping matrix",
+        ));
+    }
+    let n = mass.nrows();
+    Ok(Mat::from_fn(n, n, |i, j| ratio * modes.unit_damping[(i, j)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::mat;
+
+    fn chain() -> (Mat<f64>, Mat<f64>) {
+        (mat![[2.0, 0.0], [0.0, 1.0]], mat![[300.0, -100.0], [-100.0, 100.0]])
+    }
+
+    #[test]
+    fn natural_frequencies_solve_the_characteristic_equation() {
+        let (m, c) = chain();
+        let model = Model::new(m, Damping::Matrix(Mat::zeros(2, 2)), c).unwrap();
+        for hz in model.natural_frequencies() {
+            let square = (hz * std::f64::consts::TAU).powi(2);
+            let determinant = (300.0 - 2.0 * square) * (100.0 - square) - 1e4;
+            assert!(determinant.abs() < 1e-9 * 3e4, "{hz}: {determinant}");
+        }
+        assert_eq!(model.natural_frequencies().len(), 2);
+    }
+
+    #[test]
+    fn a_massless_dof_has_no_frequency() {
+        let (_, c) = chain();
+        let m = mat![[2.0, 0.0], [0.0, 0.0]];
+        let model = Model::new(m, Damping::ModalRatio(0.01), c).unwrap();
+        // Condensed: k = 300 − 100²/100 = 200, m = 2, ω = 10.
+        let frequencies = model.natural_frequencies();
+        assert_eq!(frequencies.len(), 1);
+        assert!((frequencies[0] * std::f64::consts::TAU - 10.0).abs() < 1e-12);
+        // D = 2 ζ ω m on the one mode.
+        assert!((model.damping[(0, 0)] - 2.0 * 0.01 * 10.0 * 2.0).abs() < 1e-12);
+        assert!(model.damping[(1, 1)].abs() < 1e-12);
+    }
+
+    #[test]
+    fn modal_damping_gives_every_mode_its_ratio() {
+        // One dof: D = 2 ζ √(k m).
+        let one = Model::new(mat![[2.0]], Damping::ModalRatio(0.03), mat![[50.0]]).unwrap();
+        assert!((one.damping[(0, 0)] - 0.06 * 10.0).abs() < 1e-13);
+        // Proportional case: C = 4 M → D = 2 ζ 2 M.
+        let m = mat![[2.0, 0.5], [0.5, 1.0]];
+        let c = Mat::from_fn(2, 2, |i, j| 4.0 * m[(i, j)]);
+        let two = Model::new(m.clone(), Damping::ModalRatio(0.1), c).unwrap();
+        for i in 0..2 {
+            for j in 0..2 {
+                assert!((two.damping[(i, j)] - 0.4 * m[(i, j)]).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn bad_matrices_are_named() {
+        let (m, c) = chain();
+        let none = || Damping::Matrix(Mat::zeros(2, 2));
+        let error = |m: Mat<f64>, d: Damping, c: Mat<f64>| Model::new(m, d, c).unwrap_err();
+        assert_eq!(error(mat![[1.0, 0.1], [0.0, 1.0]], none(), c.clone()).matrix, "mass");
+        assert_eq!(error(mat![[1.0, 2.0], [2.0, 1.0]], none(), c.clone()).matrix, "mass");
+        assert_eq!(error(Mat::zeros(2, 2), none(), c.clone()).matrix, "mass");
+        assert_eq!(error(m.clone(), none(), mat![[1.0, 0.5], [0.4, 1.0]]).matrix, "stiffness");
+        assert_eq!(error(m.clone(), Damping::Matrix(Mat::zeros(1, 1)), c.clone()).matrix, "damping");
+        assert_eq!(error(m, Damping::ModalRatio(-1.0), c).matrix, "damping.modal_ratio");
     }
 }

@@ -1,11 +1,19 @@
 //! What a problem needs, made once and used at every frequency.
 
-use num_complex::Complex64;
+use contact::TurningPoints;
+use faer::{Mat, c64};
 
+use crate::balance::{Balance, BalanceBuffers};
+use crate::dense::Lu;
 use crate::error::PlanError;
-use crate::problem::Problem;
-use crate::settings::Settings;
-use crate::solution::{Solution, Waveform};
+use crate::harmonics::Harmonics;
+use crate::newton::{Criteria, NewtonBuffers};
+use crate::point::Point;
+use crate::problem::{Contact, ExcitationKind, Problem};
+use crate::settings::{Settings, Start};
+use crate::solution::Stats;
+use crate::structure::{Condensed, Structure};
+use crate::transform::Transform;
 
 /// What a plan uses and what it leaves out, for a reader.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,11 +24,13 @@ pub struct PlanFacts {
     pub odd: bool,
     /// One contact, one harmonic, closed form: a real equation whose roots are all found; no transform, no samples.
     pub scalar: bool,
+    /// One contact with a closed form for one harmonic: its solutions start the ladder, no guess is needed.
+    pub scalar_start: bool,
     /// No contact law needs iteration.
     pub linear: bool,
     /// Samples a period; 0 where forces come in closed form.
     pub samples: usize,
-    /// Harmonics 1 → 3 → … climbed to N.
+    /// Harmonics of Ω up to which each rung of the ladder goes, the last being N.
     pub ladder: Vec<usize>,
     /// Dofs that carry no contact and are condensed away.
     pub condensed_dofs: usize,
@@ -28,68 +38,228 @@ pub struct PlanFacts {
     pub unknowns: usize,
 }
 
+/// One rung of the ladder in N.
+#[derive(Debug)]
+pub(crate) struct Rung {
+    /// Unknown harmonics of this rung: the first `slots` of the plan's.
+    pub(crate) slots: usize,
+    pub(crate) transform: Transform,
+}
+
 /// A problem made ready: transforms, condensation, buffers' sizes, start strategy.
 #[derive(Debug)]
 pub struct Plan {
-    _private: (),
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) harmonics: Harmonics,
+    pub(crate) structure: Structure,
+    pub(crate) rungs: Vec<Rung>,
+    pub(crate) settings: Settings,
+    pub(crate) linear: bool,
+    pub(crate) scalar: bool,
+    pub(crate) scalar_start: bool,
+    condensed_dofs: usize,
 }
 
 /// Buffers for one thread.
 #[derive(Debug)]
 pub struct Workspace {
-    _private: (),
+    pub(crate) condensed: Condensed,
+    pub(crate) point: Point,
+    /// One a rung.
+    pub(crate) balance: Vec<BalanceBuffers>,
+    pub(crate) newton: NewtonBuffers,
+    /// û, entry `[slot][i]` over active contacts.
+    pub(crate) unknowns: Vec<c64>,
+    /// A solution to fall back to.
+    pub(crate) kept: Vec<c64>,
+    /// Displacement harmonics in m of the previous point of a march, and whether there is one.
+    pub(crate) previous: Vec<c64>,
+    pub(crate) has_previous: bool,
+    pub(crate) roots: Vec<f64>,
+    pub(crate) held: Vec<bool>,
+    /// Holding forces in N, entry `[slot][contact]`.
+    pub(crate) holding: Vec<c64>,
+    /// One harmonic's linear system over active contacts.
+    pub(crate) linear: Lu<c64>,
+    pub(crate) linear_rhs: Mat<c64>,
+    pub(crate) turning_points: TurningPoints,
+    pub(crate) stats: Stats,
 }
+
+/// The most harmonics a plan accepts.
+const MOST_HARMONICS: usize = 4095;
 
 impl Plan {
     /// Plans `problem`.
     ///
     /// # Errors
-    /// [`PlanError`] naming what cannot be.
+    /// [`PlanError`] naming what cannot be: an excitation harmonic above N, a dof that does not exist, a contact of a
+    /// dof with itself.
     pub fn new(problem: &Problem, settings: &Settings) -> Result<Self, PlanError> {
-        let _ = (problem, settings);
-        Ok(Self { _private: () })
+        check(problem, settings)?;
+        let contacts = problem.contacts.clone();
+        let nature = |c: &Contact| c.law.nature();
+        let mean_is_free = contacts.iter().all(|c| !nature(c).determines_mean);
+        let harmonics = Harmonics::new(problem, settings.harmonics, mean_is_free);
+        let linear = contacts.iter().all(|c| nature(c).linear);
+        let static_load = problem.excitation.iter().any(|e| e.harmonic == 0 && e.amplitude != 0.0);
+        let scalar_start = match contacts.as_slice() {
+            [only] => {
+                only.law.describing_function().is_some()
+                    && (!nature(only).determines_mean || !static_load)
+                    && harmonics.reduced.contains(&1)
+                    && harmonics.highest_excited == 1
+            }
+            _ => false,
+        } && !linear;
+        let scalar = scalar_start && harmonics.highest() == 1 && settings.start == Start::Ladder;
+        let rungs = ladder(&harmonics)
+            .into_iter()
+            .map(|n| {
+                let asked = contacts.iter().map(|c| c.law.samples(n)).max().unwrap_or(0).max(4 * (n + 1));
+                let samples = settings.samples.unwrap_or(asked).max(4 * (n + 1)).next_power_of_two();
+                Rung { slots: harmonics.up_to(n), transform: Transform::new(samples) }
+            })
+            .collect();
+        let carrying: std::collections::BTreeSet<usize> =
+            contacts.iter().flat_map(|c| [Some(c.first), c.second]).flatten().collect();
+        Ok(Self {
+            structure: Structure::new(problem, &harmonics),
+            harmonics,
+            rungs,
+            settings: settings.clone(),
+            linear,
+            scalar,
+            scalar_start,
+            condensed_dofs: problem.model.dofs() - carrying.len(),
+            contacts,
+        })
     }
 
-    /// Harmonics of Ω that are not identically zero, ascending; columns of every spectrum in a [`Solution`].
+    /// Harmonics of Ω that are not identically zero, ascending; columns of every spectrum in a
+    /// [`crate::Solution`].
     pub fn orders(&self) -> &[usize] {
-        &[]
+        &self.harmonics.orders
     }
 
     /// What the plan uses and what it leaves out.
     pub fn facts(&self) -> PlanFacts {
+        let sampled = !self.scalar && !self.linear;
+        let last = self.rungs.last();
         PlanFacts {
-            fundamental: 1,
-            odd: false,
-            scalar: false,
-            linear: false,
-            samples: 0,
-            ladder: Vec::new(),
-            condensed_dofs: 0,
-            unknowns: 0,
+            fundamental: self.harmonics.fundamental,
+            odd: self.harmonics.odd,
+            scalar: self.scalar,
+            scalar_start: self.scalar_start,
+            linear: self.linear,
+            samples: if sampled { last.map_or(0, |rung| rung.transform.samples()) } else { 0 },
+            ladder: self
+                .rungs
+                .iter()
+                .filter_map(|rung| self.harmonics.orders.get(rung.slots.checked_sub(1)?).copied())
+                .collect(),
+            condensed_dofs: self.condensed_dofs,
+            unknowns: self.balance(self.rungs.len() - 1).size(self.contacts.len(), self.slots()),
+        }
+    }
+
+    /// Number of harmonics in the unknowns.
+    pub(crate) fn slots(&self) -> usize {
+        self.harmonics.reduced.len()
+    }
+
+    /// The slot of the base frequency itself.
+    pub(crate) fn first_slot(&self) -> Option<usize> {
+        self.harmonics.reduced.iter().position(|&k| k == 1)
+    }
+
+    pub(crate) fn balance(&self, rung: usize) -> Balance<'_> {
+        Balance {
+            contacts: &self.contacts,
+            orders: &self.harmonics.reduced,
+            odd: self.harmonics.odd,
+            transform: &self.rungs[rung].transform,
+        }
+    }
+
+    pub(crate) fn criteria(&self) -> Criteria {
+        Criteria {
+            tolerance: self.settings.tolerance,
+            max_iterations: self.settings.max_iterations,
+            jacobian: self.settings.jacobian,
         }
     }
 
     /// Buffers for one thread.
     pub fn workspace(&self) -> Workspace {
-        Workspace { _private: () }
+        let (contacts, slots) = (self.contacts.len(), self.slots());
+        let entries = contacts * slots;
+        let buffers = (0..self.rungs.len()).map(|rung| self.balance(rung).buffers()).collect();
+        Workspace {
+            condensed: self.structure.condensed(),
+            point: Point::new(contacts, slots),
+            balance: buffers,
+            newton: NewtonBuffers::new(entries),
+            unknowns: vec![c64::ZERO; entries],
+            kept: vec![c64::ZERO; entries],
+            previous: vec![c64::ZERO; entries],
+            has_previous: false,
+            roots: Vec::with_capacity(8),
+            held: vec![false; contacts],
+            holding: vec![c64::ZERO; entries],
+            linear: Lu::new(contacts, 1),
+            linear_rhs: Mat::zeros(contacts, 1),
+            turning_points: TurningPoints::default(),
+            stats: Stats::default(),
+        }
     }
+}
 
-    /// The response at `frequency` in Hz, independent of any other point.
-    pub fn solve(&self, frequency: f64, workspace: &mut Workspace) -> Solution {
-        let _ = (frequency, workspace);
-        unreachable!()
+/// Rungs in multiples of the base frequency: 1, 3, 7, 15, … below the highest, from the highest excited one on.
+fn ladder(harmonics: &Harmonics) -> Vec<usize> {
+    let highest = harmonics.highest();
+    let lowest = harmonics.highest_excited.max(1);
+    let below = (1..usize::BITS).map(|b| (1_usize << b) - 1).take_while(|n| *n < highest);
+    below.filter(|n| *n >= lowest).chain([highest]).collect()
+}
+
+fn check(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
+    let error = |place: String, problem: String| Err(PlanError { place, problem });
+    let n = problem.model.dofs();
+    let most = settings.harmonics;
+    if most == 0 || most > MOST_HARMONICS {
+        return error("harmonics".into(), format!("must be between 1 and {MOST_HARMONICS}, got {most}"));
     }
-
-    /// The response without contact forces: one row per output dof, one column per order. `None` where the
-    /// structure is singular.
-    pub fn linear_response(&self, frequency: f64, workspace: &mut Workspace) -> Option<Vec<Vec<Complex64>>> {
-        let _ = (frequency, workspace);
-        None
+    for (i, excitation) in problem.excitation.iter().enumerate() {
+        if excitation.harmonic > most {
+            return error(
+                format!("excitation[{i}].harmonic"),
+                format!(
+                    "is {}, above the {most} harmonics of the balance; raise \"harmonics\"",
+                    excitation.harmonic
+                ),
+            );
+        }
+        if !excitation.amplitude.is_finite() || !excitation.phase.is_finite() {
+            return error(format!("excitation[{i}]"), "amplitude and phase must be finite".into());
+        }
+        if excitation.kind != ExcitationKind::Base && excitation.dof >= n {
+            return error(format!("excitation[{i}].dof"), format!("the model has {n} dofs"));
+        }
     }
-
-    /// One period of `solution` at `samples` equidistant instants; `None` when the point failed.
-    pub fn waveform(&self, solution: &Solution, samples: usize) -> Option<Waveform> {
-        let _ = (solution, samples);
-        None
+    for (i, contact) in problem.contacts.iter().enumerate() {
+        if contact.first >= n || contact.second.is_some_and(|second| second >= n) {
+            return error(format!("contacts[{i}].between"), format!("the model has {n} dofs"));
+        }
+        if contact.second == Some(contact.first) {
+            return error(format!("contacts[{i}].between"), "must name two different dofs".into());
+        }
+        if !(contact.scale.is_finite() && contact.scale > 0.0) {
+            return error(format!("contacts[{i}].scale"), format!("must be positive, got {}", contact.scale));
+        }
+    }
+    match problem.output.iter().find(|dof| **dof >= n) {
+        Some(dof) => error("output".into(), format!("dof {dof} does not exist; the model has {n}")),
+        None => Ok(()),
     }
 }

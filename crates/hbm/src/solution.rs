@@ -60,7 +60,7 @@ impl fmt::Display for FailureReason {
 }
 
 /// What one contact does at a solution.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ContactSolution {
     /// Half the range of the relative displacement, in m.
     pub amplitude: f64,
@@ -121,11 +121,57 @@ pub struct Solution {
     pub others: Vec<Solution>,
 }
 
+impl Default for Solution {
+    /// Nothing solved yet.
+    fn default() -> Self {
+        Self::empty(0.0, 0)
+    }
+}
+
+impl Solution {
+    /// A point that is not solved yet.
+    pub(crate) fn empty(frequency: f64, harmonics: usize) -> Self {
+        Self {
+            frequency,
+            status: Status::Failed(FailureReason::NotConverged),
+            harmonics,
+            residual: f64::INFINITY,
+            residual_history: Vec::new(),
+            solutions: None,
+            displacement: Vec::new(),
+            contacts: Vec::new(),
+            stats: Stats::default(),
+            others: Vec::new(),
+        }
+    }
+
+    /// Forgets the answer; rows keep their memory.
+    pub(crate) fn clear(&mut self, frequency: f64, harmonics: usize) {
+        self.frequency = frequency;
+        self.harmonics = harmonics;
+        self.status = Status::Failed(FailureReason::NotConverged);
+        self.residual = f64::INFINITY;
+        self.residual_history.clear();
+        self.solutions = None;
+        self.stats = Stats::default();
+        self.others.clear();
+    }
+
+    /// Whether `other` is another motion of the contacts, beyond the error of the iteration.
+    pub(crate) fn differs_from(&self, other: &Self) -> bool {
+        let pairs = || self.contacts.iter().zip(&other.contacts);
+        let entries = || pairs().flat_map(|(a, b)| a.displacement.iter().zip(&b.displacement));
+        let distance: f64 = entries().map(|(a, b)| (a - b).norm_sqr()).sum();
+        let size: f64 = entries().map(|(a, b)| a.norm_sqr() + b.norm_sqr()).sum();
+        distance > 1e-12 * size
+    }
+}
+
 /// One period of a solution in time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Waveform {
-    /// Instants in s, beginning at 0 and covering one period of the excitation, its end left out.
-    pub time: Vec<f64>,
+    /// Phase Ωt in rad of each instant: equidistant from 0 over one period of the excitation, its end left out.
+    pub phase: Vec<f64>,
     /// Displacement in m, one row per output dof.
     pub displacement: Vec<Vec<f64>>,
     /// One entry a contact.

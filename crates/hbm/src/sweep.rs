@@ -1,8 +1,11 @@
 //! Many frequencies: a parallel map over independent points, or the paper's march.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use crate::plan::Plan;
+use rayon::prelude::*;
+
+use crate::plan::{Plan, Workspace};
+use crate::settings::Start;
 use crate::solution::Solution;
 
 /// How a sweep runs.
@@ -27,8 +30,52 @@ pub struct Sweep {
     pub threads: usize,
 }
 
+/// Points that one task of a parallel sweep solves: enough that handing it out costs nothing, few enough that threads
+/// stay busy to the end.
+const POINTS_A_TASK: usize = 16;
+
 /// Solves `plan` at every frequency in Hz. The result does not depend on the number of threads, bit for bit.
 pub fn sweep(plan: &Plan, frequencies: &[f64], options: &SweepOptions) -> Sweep {
-    let _ = (plan, frequencies, options);
-    Sweep { solutions: Vec::new(), interrupted: false, threads: 1 }
+    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let wanted = options.threads.unwrap_or(cores).max(1);
+    let tasks = frequencies.len().div_ceil(POINTS_A_TASK).max(1);
+    // A march is sequential, and a handful of points is solved before a pool of threads has started.
+    let threads = if plan.settings.start == Start::March { 1 } else { wanted.min(tasks) };
+    let finished = AtomicUsize::new(0);
+    let one = |hertz: f64, workspace: &mut Workspace| -> Option<Solution> {
+        if options.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
+            return None;
+        }
+        let mut solution = Solution::default();
+        match plan.settings.start {
+            Start::Ladder => plan.solve_into(hertz, workspace, &mut solution),
+            Start::March => plan.solve_next(hertz, workspace, &mut solution),
+        }
+        let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
+        if let Some(progress) = options.progress {
+            progress(count);
+        }
+        Some(solution)
+    };
+    let in_order = |frequencies: &[f64]| -> Vec<Option<Solution>> {
+        let mut workspace = plan.workspace();
+        frequencies.iter().map(|&hertz| one(hertz, &mut workspace)).collect()
+    };
+    let pool = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build());
+    let (points, threads) = match pool {
+        Some(Ok(pool)) => {
+            let points = pool.install(|| {
+                frequencies
+                    .par_iter()
+                    .with_min_len(POINTS_A_TASK)
+                    .map_init(|| plan.workspace(), |workspace, &hertz| one(hertz, workspace))
+                    .collect()
+            });
+            (points, threads)
+        }
+        // One thread, or none to be had beside this one.
+        _ => (in_order(frequencies), 1),
+    };
+    let solutions: Vec<Solution> = points.into_iter().flatten().collect();
+    Sweep { interrupted: solutions.len() < frequencies.len(), solutions, threads }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 /// The mean of the samples that fell into one narrow range of loop phase.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Bin {
-    /// Their mean loop phase [rad].
+    /// Their mean loop phase \[rad\].
     pub theta: f64,
     /// Their mean value.
     pub value: f64,
@@ -18,8 +18,8 @@ pub(crate) fn bin_of(theta: f64, bins: usize) -> usize {
     ((theta / TAU * bins as f64) as usize).min(bins - 1)
 }
 
-/// Averages `(theta, value)` pairs over `bins` equal bins of the circle; empty bins are left out. The means are in
-/// the order of θ.
+/// Averages `(theta, value)` pairs over `bins` equal bins of the circle; empty bins are left out. The means
+/// are in the order of θ.
 pub(crate) fn bin_means(samples: impl Iterator<Item = (f64, f64)>, bins: usize) -> Vec<Bin> {
     let mut sums = vec![Bin::default(); bins];
     for (theta, value) in samples {

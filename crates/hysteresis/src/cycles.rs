@@ -14,11 +14,11 @@ pub(crate) struct Steady {
     pub reach: (f64, f64),
     /// Branches left out before and after it.
     pub skipped: (usize, usize),
-    /// Mean upper and lower displacement [m] at `centre`.
+    /// Mean upper and lower displacement \[m\] at `centre`.
     upper: f64,
     lower: f64,
     pub centre: f64,
-    /// Drift of the displacement [m per unit of position].
+    /// Drift of the displacement \[m per unit of position\].
     pub drift: f64,
 }
 
@@ -65,17 +65,17 @@ impl Steady {
         })
     }
 
-    /// Displacement amplitude [m]: half the range between the turning points of the averaged cycle.
+    /// Displacement amplitude \[m\]: half the range between the turning points of the averaged cycle.
     pub(crate) fn amplitude(&self) -> f64 {
         0.5 * (self.upper - self.lower)
     }
 
-    /// Mean of upper and lower turning points [m].
+    /// Mean of upper and lower turning points \[m\].
     pub(crate) fn middle(&self) -> f64 {
         0.5 * (self.upper + self.lower)
     }
 
-    /// Displacement [m] where a turning point at `position` would be expected.
+    /// Displacement \[m\] where a turning point at `position` would be expected.
     pub(crate) fn level(&self, upper: bool, position: f64) -> f64 {
         (if upper { self.upper } else { self.lower }) + self.drift * (position - self.centre)
     }
@@ -85,8 +85,8 @@ impl Steady {
         self.points.len() / 2
     }
 
-    /// Length of a cycle in units of position, where two turning points of a kind were seen from both sides: from the pair
-    /// that lies furthest apart.
+    /// Length of a cycle in units of position, where two turning points of a kind were seen from both
+    /// sides: from the pair that lies furthest apart.
     pub(crate) fn period(&self) -> Option<f64> {
         let whole = |upper: bool| {
             let mut seen = self.points.iter().enumerate().filter(|(_, p)| p.upper == upper && !p.at_edge);
@@ -100,8 +100,8 @@ impl Steady {
     }
 }
 
-/// The longest range of `values` in which the largest is within `±tolerance` of the smallest; among equally long ones
-/// the one of larger values. One pass with the window's largest and smallest in monotone queues.
+/// The longest range of `values` in which the largest is within `±tolerance` of the smallest; among equally
+/// long ones the one of larger values. One pass with the window's largest and smallest in monotone queues.
 fn longest_run(values: &[f64], tolerance: f64) -> Range<usize> {
     let mut best = 0..0;
     let mut best_sum = 0.0;
@@ -138,7 +138,8 @@ fn longest_run(values: &[f64], tolerance: f64) -> Range<usize> {
     best
 }
 
-/// Upper and lower level at their common centre, and the drift that upper and lower points share: least squares.
+/// Upper and lower level at their common centre, and the drift that upper and lower points share: least
+/// squares.
 fn levels(points: &[TurningPoint]) -> (f64, f64, f64, f64) {
     let of_kind = |upper: bool| -> Vec<&TurningPoint> {
         let kind = || points.iter().filter(move |p| p.upper == upper);

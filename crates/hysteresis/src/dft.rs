@@ -47,7 +47,8 @@ fn a_geometric_series_has_its_closed_form() {
 
 #[test]
 fn a_rectangular_loop_has_its_closed_form() {
-    // Samples +1 before and −1 after half a period, at mid steps: |F_k| = (4/n) / sin(πk/n) for odd k, of which 4/(πk) is the limit.
+    // Samples +1 before and −1 after half a period, at mid steps: |F_k| = (4/n) / sin(πk/n) for odd k, of
+    // which 4/(πk) is the limit.
     let n = 64;
     let samples: Vec<f64> = (0..n).map(|j| if j < n / 2 { 1.0 } else { -1.0 }).collect();
     for (k, found) in naive_one_sided(&samples, 31).iter().enumerate() {

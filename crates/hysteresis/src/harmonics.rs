@@ -1,8 +1,9 @@
 //! Fourier series of unevenly spaced samples over loop phase: FFT of a resampled grid, corrected.
 //!
-//! Samples are averaged in bins, joined by straight lines, resampled evenly and transformed by an FFT. Straight lines cut the
-//! crests, so what the series misses at the samples themselves is fitted in the same way and added until nothing changes
-//! (defect correction). The limit depends no longer on the lines: a series with no more than `harmonics` harmonics is found to rounding.
+//! Samples are averaged in bins, joined by straight lines, resampled evenly and transformed by an FFT.
+//! Straight lines cut the crests, so what the series misses at the samples themselves is fitted in the same
+//! way and added until nothing changes (defect correction). The limit depends no longer on the lines: a
+//! series with no more than `harmonics` harmonics is found to rounding.
 
 use num_complex::Complex64;
 use rustfft::FftPlanner;

@@ -6,9 +6,9 @@ use num_complex::Complex64;
 
 use crate::error::LoopError;
 
-/// One friction hysteresis loop in rig convention: `f(θ) = Re Σ_{k=0..K} F_k e^{ikθ}` [N] over the loop phase
-/// θ [rad], where the displacement is `a cos θ` [m] (Hoffmann et al. 2017, section 3: the measured hysteresis
-/// decomposed into its Fourier series; here one-sided and over loop phase).
+/// One friction hysteresis loop in rig convention: `f(θ) = Re Σ_{k=0..K} F_k e^{ikθ}` \[N\] over the loop
+/// phase θ \[rad\], where the displacement is `a cos θ` \[m\] (Hoffmann et al. 2017, section 3: the
+/// measured hysteresis decomposed into its Fourier series; here one-sided and over loop phase).
 ///
 /// θ from 0 to π is the unloading branch, from −π to 0 the loading branch. Because `f` is the force the rig
 /// applies, `∮ f dw = π a Im F_1 > 0`; the force on a vibrating body has the opposite sign.
@@ -19,8 +19,9 @@ pub struct Loop {
 }
 
 impl Loop {
-    /// A loop of displacement amplitude `a` > 0 [m] (half peak-to-peak) with the one-sided complex amplitudes
-    /// `F_k` [N] of the force, `coefficients[k]` being harmonic `k` = 0..=K. Zeros at the end are dropped.
+    /// A loop of displacement amplitude `a` > 0 \[m\] (half peak-to-peak) with the one-sided complex
+    /// amplitudes `F_k` \[N\] of the force, `coefficients[k]` being harmonic `k` = 0..=K. Zeros at the end
+    /// are dropped.
     ///
     /// # Errors
     /// An amplitude that is not positive, numbers that are not finite, a mean that is not real, no harmonic
@@ -51,46 +52,46 @@ impl Loop {
         Ok(Self { displacement_amplitude, coefficients })
     }
 
-    /// Displacement amplitude `a` [m], half peak-to-peak.
+    /// Displacement amplitude `a` \[m\], half peak-to-peak.
     #[must_use]
     pub fn displacement_amplitude(&self) -> f64 {
         self.displacement_amplitude
     }
 
-    /// One-sided complex amplitudes `F_k` [N] of the force; the index is the harmonic, 0 the mean.
+    /// One-sided complex amplitudes `F_k` \[N\] of the force; the index is the harmonic, 0 the mean.
     #[must_use]
     pub fn coefficients(&self) -> &[Complex64] {
         &self.coefficients
     }
 
-    /// The first harmonic `F_1` [N].
+    /// The first harmonic `F_1` \[N\].
     #[must_use]
     pub fn first_harmonic(&self) -> Complex64 {
         self.coefficients.get(1).copied().unwrap_or_default()
     }
 
-    /// Magnitude of the first harmonic, `|F_1|` [N].
+    /// Magnitude of the first harmonic, `|F_1|` \[N\].
     #[must_use]
     pub fn force_amplitude(&self) -> f64 {
         self.first_harmonic().norm()
     }
 
-    /// Phase of the first harmonic, `arg F_1` [rad], between 0 (a spring) and π; π/2 is a loop without
+    /// Phase of the first harmonic, `arg F_1` \[rad\], between 0 (a spring) and π; π/2 is a loop without
     /// stiffness.
     #[must_use]
     pub fn phase(&self) -> f64 {
         self.first_harmonic().arg()
     }
 
-    /// Even content `√(Σ_{k=2,4,…} |F_k|²) / |F_1|` \[-\]: how far the loop is from symmetric about its centre.
-    /// The mean is left out.
+    /// Even content `√(Σ_{k=2,4,…} |F_k|²) / |F_1|` \[-\]: how far the loop is from symmetric about its
+    /// centre. The mean is left out.
     #[must_use]
     pub fn even_content(&self) -> f64 {
         self.content(2)
     }
 
-    /// Content of the odd harmonics above the first, `√(Σ_{k=3,5,…} |F_k|²) / |F_1|` \[-\]: how far the loop is
-    /// from an ellipse.
+    /// Content of the odd harmonics above the first, `√(Σ_{k=3,5,…} |F_k|²) / |F_1|` \[-\]: how far the
+    /// loop is from an ellipse.
     #[must_use]
     pub fn odd_content(&self) -> f64 {
         self.content(3)
@@ -101,27 +102,27 @@ impl Loop {
         sum.sqrt() / self.force_amplitude()
     }
 
-    /// Force `f(θ)` [N] at loop phase `theta` [rad].
+    /// Force `f(θ)` \[N\] at loop phase `theta` \[rad\].
     #[must_use]
     pub fn force(&self, theta: f64) -> f64 {
         evaluate(&self.coefficients, theta)
     }
 
-    /// First derivative `df/dθ` [N/rad] at loop phase `theta` [rad].
+    /// First derivative `df/dθ` \[N/rad\] at loop phase `theta` \[rad\].
     #[must_use]
     pub fn force_derivative(&self, theta: f64) -> f64 {
         let weighted = |(k, c): (usize, &Complex64)| Complex64::I * (k as f64) * c;
         series(self.coefficients.iter().enumerate().map(weighted), theta)
     }
 
-    /// Second derivative `d²f/dθ²` [N/rad²] at loop phase `theta` [rad].
+    /// Second derivative `d²f/dθ²` \[N/rad²\] at loop phase `theta` \[rad\].
     #[must_use]
     pub fn force_second_derivative(&self, theta: f64) -> f64 {
         let weighted = |(k, c): (usize, &Complex64)| -((k * k) as f64) * c;
         series(self.coefficients.iter().enumerate().map(weighted), theta)
     }
 
-    /// Dissipation `∮ f dw = π a Im F_1` [J per cycle], positive.
+    /// Dissipation `∮ f dw = π a Im F_1` \[J per cycle\], positive.
     #[must_use]
     pub fn dissipation(&self) -> f64 {
         PI * self.displacement_amplitude * self.first_harmonic().im

@@ -35,10 +35,13 @@
 //! ```
 
 mod average;
+mod checks;
 mod cycles;
 #[cfg(test)]
 mod dft;
+mod drift;
 mod error;
+mod features;
 mod fit;
 mod harmonics;
 mod hysteresis_loop;
@@ -48,16 +51,18 @@ mod notes;
 mod options;
 mod read;
 mod record;
+mod record_error;
 pub mod synthetic;
 mod table;
 mod turning_points;
 mod units;
 
-pub use error::{FitError, LoopError, RecordError};
+pub use error::{FitError, LoopError};
 pub use fit::{Fit, FitSettings, MeanCycle, fit};
 pub use hysteresis_loop::Loop;
 pub use notes::Note;
 pub use options::{Column, Columns, ForceSign, ReadOptions, Units};
 pub use record::{Quantity, Record};
+pub use record_error::RecordError;
 pub use turning_points::TurningPoint;
 pub use units::{ForceUnit, LengthUnit, TimeUnit, UnknownUnit};

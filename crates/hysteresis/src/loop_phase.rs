@@ -1,8 +1,8 @@
 //! Loop phase of every sample: where on the loop it was measured.
 //!
 //! θ = arccos ξ loses half of its digits near the tips and turns the noise of the displacement into jitter of
-//! θ there. So the distance to the tip a branch starts from, `p = 1 − ξ`, is taken directly, near the tips from the
-//! parabola through many samples instead of from single ones, and `θ = 2 asin √(p/2)`.
+//! θ there. So the distance to the tip a branch starts from, `p = 1 − ξ`, is taken directly, near the tips
+//! from the parabola through many samples instead of from single ones, and `θ = 2 asin √(p/2)`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,9 +15,9 @@ use crate::turning_points::TurningPoint;
 pub(crate) struct PhasedSample {
     /// Loop phase in [0, 2π]: unloading up to π, loading above.
     pub theta: f64,
-    /// Time [s] or sample number.
+    /// Time \[s\] or sample number.
     pub position: f64,
-    /// Force [N].
+    /// Force \[N\].
     pub force: f64,
     /// Number of its branch among those of the steady part.
     pub branch: usize,
@@ -44,7 +44,8 @@ struct Tip {
 }
 
 impl Tip {
-    /// A turning point. What noise alone can move it is no reason to doubt that all of its kind are at one level.
+    /// A turning point. What noise alone can move it is no reason to doubt that all of its kind are at one
+    /// level.
     fn at(point: &TurningPoint, steady: &Steady) -> Self {
         let level = steady.level(point.upper, point.position);
         let by_noise = (point.displacement - level).abs() <= 3.0 * point.uncertainty;
@@ -53,7 +54,7 @@ impl Tip {
         Self { position: point.position, displacement, parabola }
     }
 
-    /// Distance of a sample from this tip [m], along the motion.
+    /// Distance of a sample from this tip \[m\], along the motion.
     fn distance(&self, sample: usize, position: f64, displacement: f64) -> f64 {
         match &self.parabola {
             Some((window, curvature)) if window.contains(&sample) => {
@@ -68,8 +69,8 @@ impl Tip {
     }
 }
 
-/// Gives the samples of every complete steady branch their loop phase. A direction without a complete branch is
-/// put together from its pieces at the ends of the record.
+/// Gives the samples of every complete steady branch their loop phase. A direction without a complete
+/// branch is put together from its pieces at the ends of the record.
 pub(crate) fn loop_phases(
     position: &[f64],
     displacement: &[f64],
@@ -89,7 +90,10 @@ pub(crate) fn loop_phases(
             return;
         }
         let counter = if loading { &mut phases.branches.1 } else { &mut phases.branches.0 };
-        *counter += 1;
+        // All pieces of a direction are one branch.
+        if whole || *counter == 0 {
+            *counter += 1;
+        }
         phases.joined |= !whole;
         let branch = phases.branches.0 + phases.branches.1 - 1;
         let half = 0.5 * (from.displacement - to.displacement).abs();
@@ -120,8 +124,8 @@ pub(crate) fn loop_phases(
         if found {
             continue;
         }
-        // Pieces: from the record's start to the first turning point, from the last one to the end, and between
-        // a turning point and one too close to the edge to be seen.
+        // Pieces: from the record's start to the first turning point, from the last one to the end, and
+        // between a turning point and one too close to the edge to be seen.
         let tip = |point: Option<&TurningPoint>, upper: bool, position: f64| match point {
             Some(point) if seen(point) => Tip::at(point, steady),
             _ => Tip { position, displacement: steady.level(upper, position), parabola: None },
@@ -144,7 +148,7 @@ pub(crate) fn loop_phases(
     Ok(phases)
 }
 
-/// Largest step between neighbouring loop phases, around the circle: its start and its width [rad].
+/// Largest step between neighbouring loop phases, around the circle: its start and its width \[rad\].
 pub(crate) fn largest_gap(mut thetas: Vec<f64>) -> (f64, f64) {
     thetas.sort_by(f64::total_cmp);
     let (Some(&first), Some(&last)) = (thetas.first(), thetas.last()) else { return (0.0, TAU) };

@@ -8,15 +8,16 @@ use crate::loop_phase::LoopPhases;
 
 /// Noise of a record about its mean cycle.
 pub(crate) struct Noise {
-    /// Root mean square of the force's scatter [N].
+    /// Root mean square of the force's scatter \[N\].
     pub scatter: f64,
-    /// Standard error of every harmonic's complex amplitude [N], from harmonic 0 on.
+    /// Standard error of every harmonic's complex amplitude \[N\], from harmonic 0 on.
     pub harmonics: Vec<f64>,
     /// Scatter where the contact slides over that where it sticks; none when too few samples tell.
     pub sliding_ratio: Option<f64>,
 }
 
-/// Measures noise. `series` is the fit with all harmonics that the samples can determine, `means` the averaged cycle.
+/// Measures noise. `series` is the fit with all harmonics that the samples can determine, `means` the
+/// averaged cycle.
 pub(crate) fn measure(phases: &LoopPhases, means: &[Bin], series: &[Complex64]) -> Noise {
     let defect = |theta: f64, force: f64| force - evaluate(series, theta);
     let n = phases.samples.len() as f64;
@@ -45,9 +46,9 @@ pub(crate) fn measure(phases: &LoopPhases, means: &[Bin], series: &[Complex64]) 
 
 /// Standard error of every harmonic from how much the branches of a direction differ.
 ///
-/// A harmonic is the mean of an unloading and a loading integral, each averaged over its branches, so the variances
-/// add: `σ_k² = Σ_directions var / branches`. Few branches tell a variance badly; neighbouring harmonics, whose noise is
-/// alike, are averaged.
+/// A harmonic is the mean of an unloading and a loading integral, each averaged over its branches, so the
+/// variances add: `σ_k² = Σ_directions var / branches`. Few branches tell a variance badly; neighbouring
+/// harmonics, whose noise is alike, are averaged.
 fn repeatability(phases: &LoopPhases, series: &[Complex64]) -> Vec<f64> {
     let branches = phases.branches.0 + phases.branches.1;
     let harmonics = series.len();
@@ -86,8 +87,8 @@ fn repeatability(phases: &LoopPhases, series: &[Complex64]) -> Vec<f64> {
         .collect()
 }
 
-/// Scatter where the contact slides, over that where it sticks: sliding is told by the force, which is then more than half of its
-/// largest.
+/// Scatter where the contact slides, over that where it sticks: sliding is told by the force, which is then
+/// more than half of its largest.
 fn sliding_ratio(phases: &LoopPhases, means: &[Bin], middle: f64) -> Option<f64> {
     let mean = Polygon::through(means);
     let largest = means.iter().map(|bin| (bin.value - middle).abs()).fold(0.0, f64::max);

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// A remark about a fitted record: nothing that forbids its use, all that a careful engineer would want to hear.
+/// A remark about a fitted record: nothing that forbids its use, all that a careful engineer would want to
+/// hear.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Note {
@@ -55,7 +56,7 @@ pub enum Note {
     },
     /// A plateau where the force passes through zero: clearance in the rig or the contact.
     Backlash {
-        /// Width of the plateau [m], mean of both directions.
+        /// Width of the plateau \[m\], mean of both directions.
         width: f64,
     },
     /// The force scatters much more where the contact slides than where the force passes through zero.
@@ -67,9 +68,9 @@ pub enum Note {
     },
     /// The area of the raw curve and of the series differ.
     DissipationMismatch {
-        /// Trapezoid rule over the raw samples [J per cycle].
+        /// Trapezoid rule over the raw samples \[J per cycle\].
         direct: f64,
-        /// From the series [J per cycle].
+        /// From the series \[J per cycle\].
         series: f64,
     },
 }
@@ -79,7 +80,7 @@ impl fmt::Display for Note {
         match *self {
             Self::RunUpRunDown { before, after } => write!(
                 f,
-                "run-up and run-down were left out: {before} branches before the steady cycles, {after} after them"
+                "what is not steady was left out: branches before the steady cycles {before}, after them {after}"
             ),
             Self::SingleCycle => f.write_str(
                 "there is only one cycle, so the noise is what the series cannot explain; several cycles would tell noise from shape",

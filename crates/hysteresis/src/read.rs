@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use crate::error::RecordError;
 use crate::options::{Column, ReadOptions};
 use crate::record::{Quantity, Record};
+use crate::record_error::RecordError;
 use crate::table::{self, Delimiter};
 use crate::units::{ForceUnit, LengthUnit, TimeUnit, UnknownUnit};
 

@@ -4,9 +4,9 @@ use std::fmt::{self, Write as _};
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::error::RecordError;
 use crate::options::ReadOptions;
 use crate::read;
+use crate::record_error::RecordError;
 use crate::units::{ForceUnit, LengthUnit, TimeUnit};
 
 /// What a column of a record holds.
@@ -54,18 +54,18 @@ impl FromStr for Quantity {
 /// All vectors have the same length, one entry a sample, in the order of measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// Time [s]; never decreases. `None` when the file has no time column.
+    /// Time \[s\]; never decreases. `None` when the file has no time column.
     pub time: Option<Vec<f64>>,
-    /// Displacement [m].
+    /// Displacement \[m\].
     pub displacement: Vec<f64>,
-    /// Force [N].
+    /// Force \[N\].
     pub force: Vec<f64>,
     /// Line of the file every sample came from, 1 being the first; empty when it came from no file.
     pub lines: Vec<usize>,
 }
 
 impl Record {
-    /// A record from samples in SI units: time [s] (or none), displacement [m], force [N].
+    /// A record from samples in SI units: time \[s\] (or none), displacement \[m\], force \[N\].
     ///
     /// # Errors
     /// [`RecordError::Lengths`] unless all have the same length.
@@ -99,15 +99,15 @@ impl Record {
     /// The usual form is a header with names and units in brackets, then one line a sample:
     ///
     /// ```text
-    /// time [s],displacement [um],force [N]
+    /// time \[s\],displacement [um],force \[N\]
     /// 0.000,0.00,0.0
     /// 0.001,0.05,0.7
     /// ```
     ///
     /// Columns are separated by commas, semicolons, tabs or spaces; with semicolons and tabs the decimal sign
     /// may be a comma. Lines that start with `#`, empty lines, quotes around fields, a byte order mark and
-    /// line ends of any system are understood. Units may also stand in a line of their own below the names. A file
-    /// without header needs the numbers of its columns and their units in `options`.
+    /// line ends of any system are understood. Units may also stand in a line of their own below the names.
+    /// A file without header needs the numbers of its columns and their units in `options`.
     ///
     /// # Errors
     /// What is wrong, in which line and column, and what to try.

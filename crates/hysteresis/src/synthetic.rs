@@ -13,7 +13,7 @@ use crate::harmonics::one_sided;
 use crate::hysteresis_loop::Loop;
 use crate::record::Record;
 
-/// The first `harmonics` harmonics of a loop given by its force over loop phase [N], θ in [0, 2π).
+/// The first `harmonics` harmonics of a loop given by its force over loop phase \[N\], θ in [0, 2π).
 ///
 /// # Errors
 /// See [`Loop::new`].
@@ -27,11 +27,12 @@ pub fn project(
     Loop::new(displacement_amplitude, one_sided(&values, harmonics))
 }
 
-/// The steady loop of Dahl's friction law, `df/dw = k (1 ∓ f/F_s)`: a rounded loop of slip force `F_s` [N] and stiffness
-/// `k` [N/m] after a reversal, at displacement amplitude `a` [m]; its first `harmonics` harmonics (the even ones are zero).
+/// The steady loop of Dahl's friction law, `df/dw = k (1 ∓ f/F_s)`: a rounded loop of slip force `F_s`
+/// \[N\] and stiffness `k` \[N/m\] after a reversal, at displacement amplitude `a` \[m\]; its first
+/// `harmonics` harmonics (the even ones are zero).
 ///
-/// With `x_s = F_s/k`, the force falls from `F_s tanh(a/x_s)` towards `−F_s` as `e^{−x/x_s}` on the way `x` from the upper
-/// tip, so `∮ f dw = 4 F_s (a − x_s tanh(a/x_s))`.
+/// With `x_s = F_s/k`, the force falls from `F_s tanh(a/x_s)` towards `−F_s` as `e^{−x/x_s}` on the way `x`
+/// from the upper tip, so `∮ f dw = 4 F_s (a − x_s tanh(a/x_s))`.
 ///
 /// # Errors
 /// See [`Loop::new`].
@@ -44,7 +45,7 @@ pub fn dahl_loop(
     backlash_loop(displacement_amplitude, slip_force, stiffness, 0.0, harmonics)
 }
 
-/// The loop of [`dahl_loop`] in series with a clearance `gap` [m] < 2a, through which the force stays zero.
+/// The loop of [`dahl_loop`] in series with a clearance `gap` \[m\] < 2a, through which the force stays zero.
 ///
 /// # Errors
 /// See [`Loop::new`].
@@ -67,8 +68,8 @@ pub fn backlash_loop(
     })
 }
 
-/// The loop with one harmonic `k` ≥ 1 replaced by `coefficient` [N]: an even one makes it asymmetric, the first makes it
-/// agree with a scaling law.
+/// The loop with one harmonic `k` ≥ 1 replaced by `coefficient` \[N\]: an even one makes it asymmetric, the
+/// first makes it agree with a scaling law.
 ///
 /// # Errors
 /// See [`Loop::new`].
@@ -99,7 +100,7 @@ pub enum Drive {
 pub struct DirtyRecord {
     /// The true loop.
     pub truth: Loop,
-    /// Cycles a second [Hz].
+    /// Cycles a second \[Hz\].
     pub frequency: f64,
     /// Samples a cycle; need not be a whole number.
     pub samples_per_cycle: f64,
@@ -125,8 +126,8 @@ pub struct DirtyRecord {
     pub force_offset: f64,
     /// Drift of the force a cycle relative to |F_1|.
     pub force_drift: f64,
-    /// Amplitude of stick-slip chatter relative to |F_1|, on the second half of every branch: 40 oscillations a cycle whose phase is
-    /// new on every branch.
+    /// Amplitude of stick-slip chatter relative to |F_1|, on the second half of every branch: 40
+    /// oscillations a cycle whose phase is new on every branch.
     pub chatter: f64,
     /// Largest shift of a sample's instant, in sampling steps, below 0.5.
     pub jitter: f64,
@@ -137,7 +138,8 @@ pub struct DirtyRecord {
 }
 
 impl DirtyRecord {
-    /// A clean record of a loop: 0.5 Hz, 512 samples a cycle, run-up 2, steady 5 and run-down 2 cycles, sine, with time.
+    /// A clean record of a loop: 0.5 Hz, 512 samples a cycle, run-up 2, steady 5 and run-down 2 cycles,
+    /// sine, with time.
     #[must_use]
     pub fn new(truth: Loop) -> Self {
         Self {

@@ -90,7 +90,7 @@ pub(crate) fn number(field: &str, delimiter: Delimiter) -> Option<f64> {
     text.parse().ok()
 }
 
-/// Name and unit of a header's field: `force [N]` or `force (N)`.
+/// Name and unit of a header's field: `force \[N\]` or `force (N)`.
 pub(crate) fn name_and_unit(field: &str) -> (&str, Option<&str>) {
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some((name, rest)) = field.rsplit_once(open)

@@ -7,9 +7,9 @@ use std::ops::Range;
 pub struct TurningPoint {
     /// The sample nearest to it (0 is the record's first).
     pub sample: usize,
-    /// When it happens: time [s], or sample number where the record has no time; between the samples.
+    /// When it happens: time \[s\], or sample number where the record has no time; between the samples.
     pub position: f64,
-    /// Displacement there [m].
+    /// Displacement there \[m\].
     pub displacement: f64,
     /// Whether it is an upper one (unloading follows) or a lower one (loading follows).
     pub upper: bool,
@@ -19,15 +19,26 @@ pub struct TurningPoint {
     pub(crate) window: Range<usize>,
     /// Half the second derivative of the parabola, positive; none where no parabola fits.
     pub(crate) curvature: Option<f64>,
-    /// Standard error of its displacement from noise [m].
+    /// Standard error of its displacement from noise \[m\].
     pub(crate) uncertainty: f64,
 }
+
+/// Reversals below this part of the record's range are not turning points of a cycle.
+pub(crate) const REVERSAL: f64 = 0.25;
 
 /// How close to a tip, in half heights of the record, the motion is taken for a parabola.
 const DEPTH: std::ops::RangeInclusive<f64> = 1e-3..=0.1;
 
-/// Standard deviation of the white noise in `values`, from how far each is off the cubic through its four neighbours, which
-/// a motion sampled well hardly is. Robust against outliers (median). `position` may be uneven.
+/// Largest minus smallest value.
+pub(crate) fn range(values: &[f64]) -> f64 {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    high - low
+}
+
+/// Standard deviation of the white noise in `values`, from how far each is off the cubic through its four
+/// neighbours, which a motion sampled well hardly is. Robust against outliers (median). `position` may be
+/// uneven.
 pub(crate) fn sample_noise(position: &[f64], values: &[f64]) -> f64 {
     let mut off: Vec<f64> = position
         .windows(5)
@@ -55,8 +66,8 @@ pub(crate) fn sample_noise(position: &[f64], values: &[f64]) -> f64 {
     *median / 0.6745 // the median of |x| is 0.6745 standard deviations of a normal x
 }
 
-/// Alternating extremes between which the displacement travels at least `threshold`: sample and whether upper.
-/// The first and the last may be the record's ends.
+/// Alternating extremes between which the displacement travels at least `threshold`: sample and whether
+/// upper. The first and the last may be the record's ends.
 pub(crate) fn extremes(displacement: &[f64], threshold: f64) -> Vec<(usize, bool)> {
     let mut found = Vec::new();
     let Some(&start) = displacement.first() else { return found };
@@ -88,7 +99,7 @@ pub(crate) fn extremes(displacement: &[f64], threshold: f64) -> Vec<(usize, bool
 }
 
 /// Places the extremes between the samples: the vertex of the parabola of least squares through the samples
-/// near the tip, as deep as noise demands. `position` never decreases; `height` is the record's range [m].
+/// near the tip, as deep as noise demands. `position` never decreases; `height` is the record's range \[m\].
 pub(crate) fn turning_points(
     position: &[f64],
     displacement: &[f64],
@@ -108,30 +119,38 @@ pub(crate) fn turning_points(
                 displacement: raw,
                 upper,
                 at_edge: false,
-                window: window(displacement, sample, depth),
+                window: window(displacement, sample, depth + 5.0 * noise),
                 curvature: None,
                 uncertainty: noise,
             };
-            // Noise decides where the first window ends; the second is even about the vertex of the first.
-            for _ in 0..2 {
-                let (first, last) = (point.window.start, point.window.end);
-                point.at_edge = first == 0 || last == displacement.len();
-                let near = position.get(point.window.clone())?;
-                let parabola = Parabola::fit(near, displacement.get(point.window.clone())?, point.position)
+            // Noise decides where the first window ends; the next ones are even about the vertex.
+            let mut window = point.window.clone();
+            point.at_edge = window.start == 0 || window.end == displacement.len();
+            if window.len() >= 7 && !point.at_edge {
+                // Of a dwell or a corner, should it be one, the middle.
+                let (first, last) = (position.get(window.start)?, position.get(window.end - 1)?);
+                point.position = 0.5 * (first + last);
+            }
+            for _ in 0..3 {
+                let near = position.get(window.clone())?;
+                let parabola = Parabola::fit(near, displacement.get(window.clone())?, point.position)
                     .filter(|parabola| parabola.is_tip(near, upper, point.at_edge))
-                    .filter(|parabola| (parabola.vertex().1 - raw).abs() <= depth.max(0.1 * half));
+                    .filter(|parabola| parabola.misfit <= (3.0 * noise).max(0.1 * depth)) // no corner
+                    .filter(|parabola| parabola.drop(near) >= 0.25 * depth) // no dwell
+                    .filter(|parabola| (parabola.vertex().1 - raw).abs() <= (0.1 * half).max(6.0 * noise));
                 let Some(parabola) = parabola else { break };
                 (point.position, point.displacement) = parabola.vertex();
                 point.curvature = Some(parabola.second.abs());
                 // The middle of a parabola through n samples has 9/4 of the variance of their mean.
                 point.uncertainty = 1.5 * noise / (near.len() as f64).sqrt();
-                let reach = (depth / parabola.second.abs()).sqrt();
+                let width = near.last()? - near.first()?;
+                let reach = (depth / parabola.second.abs()).sqrt().min(width);
                 let even = position.partition_point(|u| *u < point.position - reach)
                     ..position.partition_point(|u| *u <= point.position + reach);
-                if even.len() < 7 || even == point.window {
+                point.window = std::mem::replace(&mut window, even);
+                if window.len() < 7 || window == point.window {
                     break;
                 }
-                point.window = even;
             }
             Some(point)
         })
@@ -154,6 +173,8 @@ struct Parabola {
     level: f64,
     slope: f64,
     second: f64,
+    /// Root mean square distance of the samples from it.
+    misfit: f64,
 }
 
 impl Parabola {
@@ -169,24 +190,33 @@ impl Parabola {
         let level = values.iter().sum::<f64>() / n;
         let slope = x().zip(values).map(|(x, w)| x * (w - level)).sum::<f64>() / sum2;
         let second = x().zip(values).map(|(x, w)| quadratic(x) * (w - level)).sum::<f64>() / norm;
+        let off = |(x, w): (f64, &f64)| (w - level - slope * x - second * quadratic(x)).powi(2);
         let parabola = Self {
             centre: centre + mean,
             level: level - second * sum2 / n,
             slope: slope - second * skew,
             second,
+            misfit: (x().zip(values).map(off).sum::<f64>() / n).sqrt(),
         };
         let enough = values.len() >= 3 && norm > 1e-12 * sum2 * sum2;
         (enough && parabola.second.is_finite() && parabola.slope.is_finite()).then_some(parabola)
     }
 
-    /// Whether it turns the right way, inside the window. At an edge of the record one side of the tip was not
-    /// seen: its vertex may lie a little outside.
+    /// Whether it turns the right way, inside the window. At an edge of the record one side of the tip was
+    /// not seen: its vertex may lie a little outside.
     fn is_tip(&self, window: &[f64], upper: bool, at_edge: bool) -> bool {
         let (Some(first), Some(last)) = (window.first(), window.last()) else { return false };
         let slack = if at_edge { 0.5 * (last - first) } else { 0.0 };
         let vertex = self.vertex().0;
         let turns = if upper { self.second < 0.0 } else { self.second > 0.0 };
         turns && vertex >= first - slack && vertex <= last + slack
+    }
+
+    /// How far it falls from its vertex inside the window.
+    fn drop(&self, window: &[f64]) -> f64 {
+        let vertex = self.vertex().0;
+        let ends = window.first().into_iter().chain(window.last());
+        ends.map(|u| self.second.abs() * (u - vertex).powi(2)).fold(0.0, f64::max)
     }
 
     fn vertex(&self) -> (f64, f64) {

@@ -1,5 +1,7 @@
 //! Dirty records of loops that are known exactly: the fit must find them within what the dirt allows.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
 use std::f64::consts::PI;
 
 use hysteresis::synthetic::{self, DirtyRecord, Drive};
@@ -46,13 +48,39 @@ fn the_dahl_loop_has_the_area_of_its_closed_form() {
 }
 
 #[test]
+fn an_elastic_coulomb_loop_has_the_describing_function_of_its_closed_form() {
+    let (amplitude, stiffness, slip_force) = (8e-6, 6e6, 12.0);
+    let slip_way: f64 = slip_force / stiffness;
+    let turn = (1.0 - 2.0 * slip_way / amplitude).acos();
+    let in_phase = stiffness * amplitude / PI * (turn - 0.5 * (2.0 * turn).sin());
+    let quadrature = 4.0 * slip_force / PI * (1.0 - slip_way / amplitude);
+    // From rest, without run-up: the first quarter cycle is not on the loop.
+    let (mut slider, mut last) = (0.0, 0.0);
+    let samples = 1000;
+    let (mut w, mut f) = (Vec::new(), Vec::new());
+    for j in 0..6 * samples {
+        let displacement = amplitude * (2.0 * PI * f64::from(j) / f64::from(samples)).sin();
+        slider = f64::clamp(slider + stiffness * (displacement - last), -slip_force, slip_force);
+        last = displacement;
+        w.push(displacement);
+        f.push(slider);
+    }
+    let found = fitted(&Record::new(None, w, f).unwrap());
+    let first = found.hysteresis_loop.coefficients()[1];
+    // The kinks lie anywhere between two samples: (π/1000)² of the jump in slope, about stiffness ×
+    // amplitude.
+    let error = (first - Complex64::new(in_phase, quadrature)).norm();
+    assert!(error < (PI / 1000.0).powi(2) * stiffness * amplitude, "{error}");
+    assert!(found.is_symmetric() && found.cycles == 6);
+}
+
+#[test]
 fn a_clean_record_gives_back_its_loop() {
     let found = fitted(&DirtyRecord::new(truth()).generate());
     let (harmonics, amplitude) = errors(&found, &truth());
-    println!("{harmonics:.2e} {amplitude:.2e} {:?}", found.notes);
     assert_eq!((found.cycles, found.branches), (5, (5, 4)));
     assert!((found.period.unwrap() - 2.0).abs() < 1e-6);
-    assert!(harmonics < 1e-6 && amplitude < 1e-6, "{harmonics:e} {amplitude:e}");
+    assert!(harmonics < 1e-6 && amplitude < 3e-8, "{harmonics:e} {amplitude:e}");
     assert!(found.noise < 1e-4, "{}", found.noise);
     assert!(found.notes.iter().any(|note| matches!(note, Note::RunUpRunDown { .. })));
 }
@@ -69,9 +97,9 @@ fn whole_cycles_are_counted_wherever_the_record_begins() {
                     .unwrap_or_else(|e| panic!("{cycles} cycles from {start}: {e}"));
                 assert_eq!(found.cycles, cycles, "from {start}");
                 let (harmonics, amplitude) = errors(&found, &truth());
-                println!("{cycles} {start} {with_time} {harmonics:.2e} {amplitude:.2e}");
+                // The parabola takes tips no deeper than 1e-3 for it: 1e-6/6 · 3/35 of the amplitude.
                 assert!(
-                    harmonics < 1e-3 && amplitude < 1e-4,
+                    harmonics < 2e-7 && amplitude < 3e-8,
                     "{cycles} from {start}: {harmonics:e} {amplitude:e}"
                 );
                 if with_time && cycles > 1 {
@@ -110,10 +138,42 @@ fn noise_enters_no_further_than_its_standard_error() {
         }
     }
     let rms = f64::sqrt(squares / count);
-    println!("worst {worst:.2}, rms {rms:.2} standard errors");
     // |error|² is exponentially distributed: of 300, none is above 4² but with a probability of 3e-5.
     assert!(worst < 4.0, "{worst}");
     assert!((0.8..1.25).contains(&rms), "{rms}");
+}
+
+#[test]
+fn one_noisy_cycle_tells_its_noise_from_what_the_series_leaves() {
+    for seed in 0..10 {
+        let clean = DirtyRecord::steady_only(truth(), 1, 0.1);
+        let found = fitted(&DirtyRecord { force_noise: 0.03, seed, ..clean }.generate());
+        // 512 samples less 63 coefficients: the RMS of normal noise is known to 1/√(2·449) = 3.3 %.
+        assert!((found.noise / 0.03 - 1.0).abs() < 0.13, "{}", found.noise);
+        assert!(found.notes.contains(&Note::SingleCycle));
+        let error = 0.03 * truth().force_amplitude() * 2.0 / 512.0_f64.sqrt();
+        let first = found.hysteresis_loop.coefficients()[1] - truth().coefficients()[1];
+        assert!(first.norm() < 4.0 * error, "{} {error}", first.norm());
+    }
+}
+
+#[test]
+fn a_curve_read_off_a_figure_is_enough() {
+    // 61 points without time, evenly spaced along the displacement, so few near the tips.
+    let curve = DirtyRecord {
+        samples_per_cycle: 60.0,
+        drive: Drive::Triangle,
+        with_time: false,
+        ..DirtyRecord::steady_only(truth(), 1, 0.25)
+    };
+    let found = fitted(&curve.generate());
+    let coarse = found.notes.iter().any(|note| matches!(note, Note::CoarseSampling { .. }));
+    assert!(coarse && found.cycles == 1 && found.period.is_none(), "{:?}", found.notes);
+    let (_, amplitude) = errors(&found, &truth());
+    let dissipation = found.hysteresis_loop.dissipation() / truth().dissipation() - 1.0;
+    assert!(amplitude < 1e-12, "{amplitude:e}");
+    // Chords between 30 points of a branch.
+    assert!(dissipation.abs() < 0.01, "{dissipation}");
 }
 
 #[test]
@@ -122,7 +182,6 @@ fn noise_in_the_displacement_hardly_moves_the_loop() {
         let dirty = DirtyRecord { displacement_noise: 0.01, seed, ..DirtyRecord::new(truth()) };
         let found = fitted(&dirty.generate());
         let (harmonics, amplitude) = errors(&found, &truth());
-        println!("{harmonics:.2e} {amplitude:.2e} {:?}", found.notes);
         assert_eq!(found.cycles, 5);
         assert!(amplitude < 2e-3 && harmonics < 4e-3, "{harmonics:e} {amplitude:e}");
         assert!(!found.notes.iter().any(|note| matches!(note, Note::InteriorReversals { .. })));
@@ -141,14 +200,44 @@ fn offsets_and_drifts_are_removed_and_reported() {
     };
     let found = fitted(&dirty.generate());
     let (harmonics, amplitude) = errors(&found, &truth());
-    println!("{harmonics:.2e} {amplitude:.2e} {:?}", found.notes);
     assert_eq!(found.cycles, 8);
-    assert!((found.displacement_drift / (0.05 * 8e-6) - 1.0).abs() < 1e-3, "{}", found.displacement_drift);
+    assert!((found.displacement_drift / (0.05 * 8e-6) - 1.0).abs() < 1e-6, "{}", found.displacement_drift);
     let drift = 0.03 * truth().force_amplitude();
-    assert!((found.force_drift / drift - 1.0).abs() < 0.02, "{} {drift}", found.force_drift);
+    assert!((found.force_drift / drift - 1.0).abs() < 1e-4, "{} {drift}", found.force_drift);
     assert!(found.notes.iter().any(|note| matches!(note, Note::DisplacementDrift { .. })));
     assert!(found.notes.iter().any(|note| matches!(note, Note::ForceDrift { .. })));
-    assert!(harmonics < 1e-3 && amplitude < 1e-3, "{harmonics:e} {amplitude:e}");
+    assert!(harmonics < 1e-6 && amplitude < 3e-8, "{harmonics:e} {amplitude:e}");
+}
+
+#[test]
+fn strong_drift_is_no_run_up() {
+    let dirty = DirtyRecord { displacement_drift: 0.5, ..DirtyRecord::steady_only(truth(), 8, 0.1) };
+    let found = fitted(&dirty.generate());
+    let (harmonics, amplitude) = errors(&found, &truth());
+    assert_eq!(found.cycles, 8);
+    assert!(harmonics < 1e-6 && amplitude < 3e-8, "{harmonics:e} {amplitude:e}");
+}
+
+#[test]
+fn a_dwell_at_the_turning_points_does_no_harm() {
+    let mut record =
+        DirtyRecord { displacement_noise: 1e-3, ..DirtyRecord::steady_only(truth(), 4, 0.1) }.generate();
+    let clock: Vec<f64> = (0..record.len() + 9 * 100).map(|j| j as f64 / 356.0).collect();
+    for column in [&mut record.displacement, &mut record.force] {
+        // Sample 77 + 256 n is nearest to a tip; hold it for 100 samples.
+        let held = |(j, x): (usize, &f64)| {
+            let times = if j % 256 == 77 { 100 } else { 1 };
+            std::iter::repeat_n(*x, times)
+        };
+        *column = column.iter().enumerate().flat_map(held).collect();
+    }
+    let time = clock.iter().copied().take(record.displacement.len()).collect();
+    let found = fitted(&Record::new(Some(time), record.displacement, record.force).unwrap());
+    let (harmonics, amplitude) = errors(&found, &truth());
+    assert_eq!(found.cycles, 4);
+    assert!((found.period.unwrap() - 2.0).abs() < 0.02, "{:?}", found.period);
+    // The tip of a dwell is its largest sample, three or so standard deviations of the noise too far out.
+    assert!(harmonics < 6e-3 && amplitude < 3e-3, "{harmonics:e} {amplitude:e} {:?}", found.notes);
 }
 
 #[test]
@@ -157,18 +246,14 @@ fn odd_sampling_is_no_obstacle() {
         (97.31, 0.4, Drive::Sine, 1e-4),
         (31.7, 0.0, Drive::Sine, 1e-3),
         (17.37, 0.3, Drive::Sine, 5e-3),
-        // A sharp tip between two samples cannot be seen: 4 × amplitude / samples from one sample to the next, a
-        // quarter of that is missed in the mean, and the force is out by twice as much.
+        // A sharp tip between two samples cannot be seen: 4 × amplitude / samples from one sample to the
+        // next, a quarter of that is missed in the mean, and the force is out by twice as much.
         (200.9, 0.2, Drive::Triangle, 2.0 * 2.0 / 200.9),
         (2000.9, 0.2, Drive::Triangle, 2.0 * 2.0 / 2000.9),
     ] {
         let dirty = DirtyRecord { samples_per_cycle, jitter, drive, steady: 20, ..DirtyRecord::new(truth()) };
         let found = fitted(&dirty.generate());
         let (harmonics, amplitude) = errors(&found, &truth());
-        println!(
-            "{samples_per_cycle} {drive:?} {harmonics:.2e} {amplitude:.2e} {} {:?}",
-            found.cycles, found.notes
-        );
         assert_eq!(found.cycles, 20, "{samples_per_cycle}");
         assert!(harmonics < harmonics_bound, "{samples_per_cycle} {drive:?}: {harmonics:e}");
         assert!(amplitude < harmonics_bound, "{samples_per_cycle} {drive:?}: {amplitude:e}");
@@ -179,7 +264,6 @@ fn odd_sampling_is_no_obstacle() {
 fn chatter_is_noticed_and_averaged_out() {
     let dirty = DirtyRecord { chatter: 0.1, steady: 6, seed: 3, ..DirtyRecord::new(truth()) };
     let found = fitted(&dirty.generate());
-    println!("{:?} {:?}", errors(&found, &truth()), found.notes);
     assert!(found.notes.iter().any(|note| matches!(note, Note::Chatter { ratio, .. } if *ratio > 3.0)));
     // Half of every branch carries a sine of 10 %: an RMS of 10 %/2.
     assert!((found.noise / 0.05 - 1.0).abs() < 0.2, "{}", found.noise);
@@ -194,7 +278,6 @@ fn backlash_and_asymmetry_are_noticed_where_they_are() {
     let gap = 3e-6;
     let backlash = synthetic::backlash_loop(8e-6, 12.0, 2e7, gap, 31).unwrap();
     let found = fitted(&DirtyRecord { force_noise: 0.01, ..DirtyRecord::new(backlash) }.generate());
-    println!("{:?}", found.notes);
     let width = found.notes.iter().find_map(|note| match note {
         Note::Backlash { width } => Some(*width),
         _ => None,

@@ -1,0 +1,296 @@
+//! Residual and Jacobian of the balance by alternating frequency–time evaluation of the contact forces.
+//!
+//! The Jacobian is structured (tangent + memory): with the two-sided coefficients `K_q` of the local stiffness κ(τ)
+//! and the one-sided ones `S_{r,p}` of each memory's influence,
+//!
+//! ```text
+//! δF_p = ε_p [δW_j K_{p−j} + conj(δW_j) K_{p+j}] + Σ_r S_{r,p} recall_r(δW_j),   ε_0 = ½, ε_p = 1
+//! ```
+
+use contact::{LawError, Marks, Motion, Recall};
+use faer::{Mat, c64};
+
+use crate::point::Point;
+use crate::problem::Contact;
+use crate::transform::{Buffers, Transform};
+
+/// Factors on contact forces and excitation, both 1 but on a homotopy.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Homotopy {
+    /// μ: factor on all contact forces.
+    pub(crate) contact: f64,
+    /// η: factor on the excitation.
+    pub(crate) excitation: f64,
+}
+
+impl Homotopy {
+    /// The problem itself.
+    pub(crate) const NONE: Self = Self { contact: 1.0, excitation: 1.0 };
+}
+
+/// What a balance needs that does not change with frequency.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Balance<'a> {
+    pub(crate) contacts: &'a [Contact],
+    /// Multiples of the base frequency, one a slot.
+    pub(crate) orders: &'a [usize],
+    pub(crate) odd: bool,
+    pub(crate) transform: &'a Transform,
+}
+
+/// Buffers of one contact.
+#[derive(Debug)]
+struct ContactBuffers {
+    law: contact::Workspace,
+    /// W_0 … W_n in m.
+    spectrum: Vec<c64>,
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    force: Vec<f64>,
+    marks: Option<Marks>,
+}
+
+impl ContactBuffers {
+    fn motion(&self, odd: bool) -> Motion<'_> {
+        Motion { spectrum: &self.spectrum, displacement: &self.displacement, velocity: &self.velocity, odd }
+    }
+}
+
+impl BalanceBuffers {
+    /// What contact `index` noticed at the last evaluation.
+    pub(crate) fn marks(&self, index: usize) -> Option<Marks> {
+        self.contacts.get(index).and_then(|contact| contact.marks)
+    }
+}
+
+/// Buffers of a balance for one thread.
+#[derive(Debug)]
+pub(crate) struct BalanceBuffers {
+    contacts: Vec<ContactBuffers>,
+    fft: Buffers,
+    /// F̂, entry `[slot][i]` over active contacts.
+    pub(crate) forces: Vec<c64>,
+    /// r, likewise.
+    pub(crate) residual: Vec<c64>,
+    /// K_q of one contact.
+    local: Vec<c64>,
+    /// S_{r,p} of one contact, entry `[memory][slot]`.
+    influence: Vec<c64>,
+    /// Coefficients (of Re δW_j, of Im δW_j) of each recalled functional, entry `[memory][slot]`.
+    recall: Vec<(f64, f64)>,
+}
+
+impl Balance<'_> {
+    /// Buffers for one thread.
+    pub(crate) fn buffers(&self) -> BalanceBuffers {
+        let samples = self.transform.samples();
+        let highest = self.orders.last().copied().unwrap_or(0);
+        let contact = |_: &Contact| ContactBuffers {
+            law: contact::Workspace::new(samples),
+            spectrum: vec![c64::ZERO; highest + 1],
+            displacement: vec![0.0; samples],
+            velocity: vec![0.0; samples],
+            force: vec![0.0; samples],
+            marks: None,
+        };
+        let entries = self.orders.len() * self.contacts.len();
+        BalanceBuffers {
+            contacts: self.contacts.iter().map(contact).collect(),
+            fft: self.transform.buffers(),
+            forces: vec![c64::ZERO; entries],
+            residual: vec![c64::ZERO; entries],
+            local: vec![c64::ZERO; samples / 2 + 1],
+            influence: Vec::new(),
+            recall: Vec::new(),
+        }
+    }
+
+    /// Forces and residual at `unknowns` (û, entry `[slot][i]`, the first `slots` harmonics); returns the norm of the
+    /// residual.
+    pub(crate) fn evaluate(
+        &self,
+        point: &Point,
+        slots: usize,
+        homotopy: Homotopy,
+        unknowns: &[c64],
+        buffers: &mut BalanceBuffers,
+    ) -> Result<f64, LawError> {
+        let width = point.width();
+        for (row, &c) in point.active.iter().enumerate() {
+            self.contact_force(point, slots, row, c, unknowns, buffers)?;
+        }
+        let mut sum = 0.0;
+        for entry in 0..slots * width {
+            let (slot, row) = (entry / width, entry % width);
+            let pull: c64 = (0..width)
+                .map(|l| point.receptance[entry * width + l] * buffers.forces[slot * width + l])
+                .sum();
+            let r = unknowns[slot * width + row] + homotopy.contact * pull
+                - homotopy.excitation * point.free[entry];
+            buffers.residual[entry] = r * point.weight[entry];
+            sum += buffers.residual[entry].norm_sqr();
+        }
+        if sum.is_finite() { Ok(sum.sqrt()) } else { Err(LawError::NotFinite) }
+    }
+
+    /// Force harmonics of active contact `row`.
+    fn contact_force(
+        &self,
+        point: &Point,
+        slots: usize,
+        row: usize,
+        index: usize,
+        unknowns: &[c64],
+        buffers: &mut BalanceBuffers,
+    ) -> Result<(), LawError> {
+        let width = point.width();
+        let Contact { law, scale, .. } = &self.contacts[index];
+        let contact = &mut buffers.contacts[index];
+        contact.spectrum.fill(c64::ZERO);
+        for (slot, &order) in self.orders.iter().enumerate().take(slots) {
+            contact.spectrum[order] = unknowns[slot * width + row] * point.length[row];
+        }
+        let spectrum = contact.spectrum.iter().copied();
+        self.transform.to_time(spectrum.clone(), &mut contact.displacement, &mut buffers.fft);
+        let velocity = spectrum.enumerate().map(|(k, w)| c64::new(-w.im, w.re) * k as f64);
+        self.transform.to_time(velocity, &mut contact.velocity, &mut buffers.fft);
+        let motion = Motion {
+            spectrum: &contact.spectrum,
+            displacement: &contact.displacement,
+            velocity: &contact.velocity,
+            odd: self.odd,
+        };
+        contact.marks = Some(law.force(&motion, &mut contact.law, &mut contact.force)?);
+        let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
+        for (slot, &order) in self.orders.iter().enumerate().take(slots) {
+            let one_sided = if order == 0 { 1.0 } else { 2.0 };
+            buffers.forces[slot * width + row] = coefficients[order] * (one_sided * scale / point.force[row]);
+        }
+        Ok(())
+    }
+
+    /// The motion of contact `index` at the last evaluation.
+    pub(crate) fn motion<'b>(&self, buffers: &'b BalanceBuffers, index: usize) -> Motion<'b> {
+        buffers.contacts[index].motion(self.odd)
+    }
+
+    /// Number of real unknowns: the mean has no imaginary part.
+    pub(crate) fn size(&self, width: usize, slots: usize) -> usize {
+        2 * slots * width - if self.orders.first() == Some(&0) && slots > 0 { width } else { 0 }
+    }
+
+    /// Position of the real part of entry `[slot][i]` among the real unknowns, and whether an imaginary part follows.
+    pub(crate) fn real_index(&self, width: usize, slot: usize, row: usize) -> (usize, bool) {
+        let with_mean = self.orders.first() == Some(&0);
+        match (with_mean, slot) {
+            (true, 0) => (row, false),
+            (true, _) => (width + 2 * ((slot - 1) * width + row), true),
+            (false, _) => (2 * (slot * width + row), true),
+        }
+    }
+
+    /// The Jacobian at the motion of the last evaluation, in the real unknowns.
+    pub(crate) fn jacobian(
+        &self,
+        point: &Point,
+        slots: usize,
+        homotopy: Homotopy,
+        buffers: &mut BalanceBuffers,
+        matrix: &mut Mat<f64>,
+    ) {
+        let width = point.width();
+        let size = self.size(width, slots);
+        matrix.as_mut().submatrix_mut(0, 0, size, size).fill(0.0);
+        for (column, &c) in point.active.iter().enumerate() {
+            self.transform_tangent(slots, c, buffers);
+            let unit = homotopy.contact * self.contacts[c].scale * point.length[column] / point.force[column];
+            for p in 0..slots {
+                for j in 0..slots {
+                    let block = self.block(buffers, slots, p, j);
+                    for row in 0..width {
+                        let entry = (p * width + row) * width + column;
+                        let factor = point.receptance[entry] * (unit * point.weight[p * width + row]);
+                        let (r, r_complex) = self.real_index(width, p, row);
+                        let (k, k_complex) = self.real_index(width, j, column);
+                        // The change of r_p by Re δW_j, and by Im δW_j.
+                        let by_re = factor * block.0;
+                        matrix[(r, k)] = by_re.re;
+                        if r_complex {
+                            matrix[(r + 1, k)] = by_re.im;
+                        }
+                        if k_complex {
+                            let by_im = factor * block.1;
+                            matrix[(r, k + 1)] = by_im.re;
+                            if r_complex {
+                                matrix[(r + 1, k + 1)] = by_im.im;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        for slot in 0..slots {
+            for row in 0..width {
+                let (r, is_complex) = self.real_index(width, slot, row);
+                let weight = point.weight[slot * width + row];
+                matrix[(r, r)] += weight;
+                if is_complex {
+                    matrix[(r + 1, r + 1)] += weight;
+                }
+            }
+        }
+    }
+
+    /// Fourier coefficients of the tangent of contact `index`.
+    fn transform_tangent(&self, slots: usize, index: usize, buffers: &mut BalanceBuffers) {
+        let contact = &mut buffers.contacts[index];
+        let motion = Motion {
+            spectrum: &contact.spectrum,
+            displacement: &contact.displacement,
+            velocity: &contact.velocity,
+            odd: self.odd,
+        };
+        let tangent = self.contacts[index].law.tangent(&motion, &mut contact.law);
+        buffers.local.copy_from_slice(self.transform.to_coefficients(&tangent.local, &mut buffers.fft));
+        buffers.influence.clear();
+        buffers.recall.clear();
+        for memory in tangent.memories() {
+            let coefficients = self.transform.to_coefficients(&memory.influence, &mut buffers.fft);
+            for &order in self.orders.iter().take(slots) {
+                let one_sided = if order == 0 { 1.0 } else { 2.0 };
+                buffers.influence.push(coefficients[order] * one_sided);
+                let k = order as f64;
+                buffers.recall.push(match memory.recall {
+                    // Re(δW e^{ikτ}) and Re(ik δW e^{ikτ}).
+                    Recall::Displacement { tau } => ((k * tau).cos(), -(k * tau).sin()),
+                    Recall::Velocity { tau } => (-k * (k * tau).sin(), -k * (k * tau).cos()),
+                    Recall::Mean => (if order == 0 { 1.0 } else { 0.0 }, 0.0),
+                });
+            }
+        }
+    }
+
+    /// δF_p by a change of Re W_j and of Im W_j, in N/m.
+    #[inline]
+    fn block(&self, buffers: &BalanceBuffers, slots: usize, p: usize, j: usize) -> (c64, c64) {
+        let (order_p, order_j) = (self.orders[p], self.orders[j]);
+        let difference = if order_p >= order_j {
+            buffers.local[order_p - order_j]
+        } else {
+            buffers.local[order_j - order_p].conj()
+        };
+        let sum = buffers.local[order_p + order_j];
+        let epsilon = if order_p == 0 { 0.5 } else { 1.0 };
+        let rotated = difference - sum;
+        let mut by_re = (difference + sum) * epsilon;
+        let mut by_im = c64::new(-rotated.im, rotated.re) * epsilon;
+        let memories = buffers.recall.len() / slots;
+        for memory in 0..memories {
+            let influence = buffers.influence[memory * slots + p];
+            let (re, im) = buffers.recall[memory * slots + j];
+            by_re += influence * re;
+            by_im += influence * im;
+        }
+        (by_re, by_im)
+    }
+}

@@ -1,0 +1,267 @@
+//! Starts and fallbacks at one frequency: the ladder in N, homotopies, perturbed starts. All of it happens inside the
+//! point, so that no point depends on a neighbour.
+
+use faer::c64;
+
+use crate::balance::Homotopy;
+use crate::newton::{self, Outcome, Task};
+use crate::plan::{Plan, Workspace};
+use crate::point::secant;
+
+/// Perturbed starts tried at the end.
+const PERTURBED_STARTS: usize = 8;
+
+/// Steps a homotopy may take, failed ones included.
+const HOMOTOPY_STEPS: usize = 80;
+
+/// The excitation homotopy begins where friction is a small part of the excitation.
+const LARGE_EXCITATION: f64 = 100.0;
+
+impl Plan {
+    /// Newton's method with the transform of `rung` on the first `slots` harmonics.
+    pub(crate) fn iterate(
+        &self,
+        rung: usize,
+        slots: usize,
+        homotopy: Homotopy,
+        ws: &mut Workspace,
+    ) -> Outcome {
+        let task = Task {
+            balance: self.balance(rung),
+            point: &ws.point,
+            slots,
+            homotopy,
+            criteria: self.criteria(),
+        };
+        let outcome = newton::solve(&task, &mut ws.unknowns, &mut ws.balance[rung], &mut ws.newton);
+        ws.stats.iterations += outcome.iterations;
+        outcome
+    }
+
+    /// What is tried when the ladder failed, in turn, until one solves the balance with all harmonics.
+    pub(crate) fn fall_back(&self, ws: &mut Workspace) -> Outcome {
+        let mut best = Outcome::NONE;
+        let attempts: [fn(&Self, &mut Workspace) -> Outcome; 3] =
+            [Self::contact_homotopy, Self::excitation_homotopy, Self::perturbed_starts];
+        for attempt in attempts {
+            let outcome = attempt(self, ws);
+            if outcome.converged {
+                return outcome;
+            }
+            if outcome.residual < best.residual {
+                best = outcome;
+            }
+        }
+        best
+    }
+
+    /// The ladder from rung `from` on: each rung's solution starts the next, new harmonics by one substitution. A rung
+    /// that fails is climbed harmonic by harmonic; one that fails even so is left out.
+    pub(crate) fn climb(&self, from: usize, ws: &mut Workspace) -> Outcome {
+        let width = ws.point.width();
+        let mut reached = match from {
+            0 => 0,
+            _ => self.rungs[from - 1].slots,
+        };
+        let mut outcome = Outcome { converged: from >= self.rungs.len(), residual: 0.0, ..Outcome::NONE };
+        for (index, rung) in self.rungs.iter().enumerate().skip(from) {
+            ws.stats.rungs += 1;
+            let count = reached * width;
+            ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
+            self.extend(index, reached, rung.slots, ws);
+            outcome = self.iterate(index, rung.slots, Homotopy::NONE, ws);
+            if outcome.converged {
+                reached = rung.slots;
+                continue;
+            }
+            ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
+            let mut slots = reached;
+            while slots > 0 && slots < rung.slots {
+                ws.stats.extra_rungs += 1;
+                self.extend(index, slots, slots + 1, ws);
+                outcome = self.iterate(index, slots + 1, Homotopy::NONE, ws);
+                if !outcome.converged {
+                    ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
+                    break;
+                }
+                slots += 1;
+            }
+            if outcome.converged {
+                reached = rung.slots;
+            }
+        }
+        outcome
+    }
+
+    /// Adds harmonics `from..to` to the unknowns, each as the response to the force harmonic of the motion so far.
+    fn extend(&self, rung: usize, from: usize, to: usize, ws: &mut Workspace) {
+        let width = ws.point.width();
+        if from == 0 || from >= to {
+            return;
+        }
+        let range = from * width..to * width;
+        ws.unknowns[range.clone()].fill(c64::ZERO);
+        let balance = self.balance(rung);
+        if balance.evaluate(&ws.point, to, Homotopy::NONE, &ws.unknowns, &mut ws.balance[rung]).is_ok() {
+            for entry in range {
+                ws.unknowns[entry] = -ws.balance[rung].residual[entry];
+            }
+        }
+    }
+
+    /// A guess at the first rung without any closed solution: the structure with every contact replaced by its secant
+    /// stiffness, repeated with the amplitudes that result.
+    pub(crate) fn secant_start(&self, ws: &mut Workspace) {
+        let width = ws.point.width();
+        let slots = self.rungs[0].slots;
+        let count = slots * width;
+        ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
+        let first = self.first_slot().unwrap_or(0);
+        for round in 0..20 {
+            ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
+            self.solve_linearised(slots, first, ws);
+            let mut change = 0.0_f64;
+            for entry in 0..count {
+                // Full steps first, then halved ones against cycling between stick and slip.
+                let weight = if round < 3 { 1.0 } else { 0.5 };
+                let next = ws.kept[entry] + weight * (ws.unknowns[entry] - ws.kept[entry]);
+                change = change.max((next - ws.kept[entry]).norm() / (next.norm() + f64::MIN_POSITIVE));
+                ws.unknowns[entry] = next;
+            }
+            if change < 1e-3 {
+                break;
+            }
+        }
+    }
+
+    /// Solves `(1 + Ĝ K̂) û = û⁰` in every slot, with secant stiffnesses at the amplitudes in slot `first` of `kept`.
+    /// Exact when all laws are linear.
+    pub(crate) fn solve_linearised(&self, slots: usize, first: usize, ws: &mut Workspace) {
+        let width = ws.point.width();
+        for slot in 0..slots {
+            for column in 0..width {
+                let c = ws.point.active[column];
+                let amplitude = ws.kept[first * width + column].norm();
+                let (length, force) = (ws.point.length[column], ws.point.force[column]);
+                let stiffness =
+                    secant(&*self.contacts[c].law, self.contacts[c].scale, amplitude, length, force);
+                for row in 0..width {
+                    let g = ws.point.receptance[(slot * width + row) * width + column];
+                    let unit = if row == column { c64::ONE } else { c64::ZERO };
+                    ws.linear.matrix[(row, column)] = unit + g * stiffness;
+                }
+            }
+            for row in 0..width {
+                ws.linear_rhs[(row, 0)] = ws.point.free[slot * width + row];
+            }
+            ws.linear.factor(width);
+            ws.linear.solve(ws.linear_rhs.as_mut().subrows_mut(0, width));
+            for row in 0..width {
+                ws.unknowns[slot * width + row] = ws.linear_rhs[(row, 0)];
+            }
+        }
+    }
+
+    /// From the structure without contacts (μ = 0) to the problem (μ = 1), with all harmonics.
+    fn contact_homotopy(&self, ws: &mut Workspace) -> Outcome {
+        ws.stats.contact_homotopies += 1;
+        let count = self.slots() * ws.point.width();
+        ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
+        // Equal steps in √μ: contacts are felt early.
+        self.follow(0.0, 1.0, 0.1, |s| Homotopy { contact: s * s, excitation: 1.0 }, ws)
+    }
+
+    /// From an excitation so large that friction hardly matters down to the problem's own.
+    fn excitation_homotopy(&self, ws: &mut Workspace) -> Outcome {
+        ws.stats.excitation_homotopies += 1;
+        let count = self.slots() * ws.point.width();
+        for entry in 0..count {
+            ws.unknowns[entry] = ws.point.free[entry] * LARGE_EXCITATION;
+        }
+        let decades = LARGE_EXCITATION.ln();
+        let excitation = move |s: f64| Homotopy { contact: 1.0, excitation: (decades * (1.0 - s)).exp() };
+        self.follow(0.0, 1.0, 0.1, excitation, ws)
+    }
+
+    /// Follows a homotopy from `start` to `end` with steps that adapt to success.
+    fn follow(
+        &self,
+        start: f64,
+        end: f64,
+        step: f64,
+        homotopy: impl Fn(f64) -> Homotopy,
+        ws: &mut Workspace,
+    ) -> Outcome {
+        let last = self.rungs.len() - 1;
+        let slots = self.slots();
+        let count = slots * ws.point.width();
+        let mut reached = start;
+        let mut step = step;
+        let mut outcome = self.iterate(last, slots, homotopy(start), ws);
+        ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
+        for _ in 0..HOMOTOPY_STEPS {
+            let next = (reached + step).min(end);
+            outcome = self.iterate(last, slots, homotopy(next), ws);
+            if outcome.converged {
+                if next >= end {
+                    return outcome;
+                }
+                reached = next;
+                step *= 2.0;
+                ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
+            } else {
+                step *= 0.3;
+                ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
+                if step < 1e-6 {
+                    break;
+                }
+            }
+        }
+        Outcome { converged: false, residual: f64::INFINITY, ..outcome }
+    }
+
+    /// The free response scaled and turned at random, from a fixed seed.
+    fn perturbed_starts(&self, ws: &mut Workspace) -> Outcome {
+        let count = self.slots() * ws.point.width();
+        let last = self.rungs.len() - 1;
+        let mut random = SplitMix(0x5711_c451_1b00_57e4);
+        let mut best = Outcome::NONE;
+        for _ in 0..PERTURBED_STARTS {
+            ws.stats.perturbed_starts += 1;
+            for entry in 0..count {
+                let size = 10.0_f64.powf(2.0 * random.unit() - 1.5);
+                let turn = std::f64::consts::TAU * (random.unit() - 0.5);
+                ws.unknowns[entry] = ws.point.free[entry] * c64::from_polar(size, turn);
+            }
+            let first = self.rungs.first().map_or(0, |rung| rung.slots);
+            let mut outcome = self.iterate(0, first, Homotopy::NONE, ws);
+            if outcome.converged {
+                outcome = self.climb(1, ws);
+            }
+            if !outcome.converged && first == self.slots() {
+                outcome = self.iterate(last, self.slots(), Homotopy::NONE, ws);
+            }
+            if outcome.converged {
+                return outcome;
+            }
+            if outcome.residual < best.residual {
+                best = outcome;
+            }
+        }
+        best
+    }
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014): a few reproducible numbers, not statistics.
+struct SplitMix(u64);
+
+impl SplitMix {
+    /// A number in [0, 1).
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}

@@ -1,0 +1,178 @@
+//! The balance at one frequency without dimensions: displacements in each law's own length, forces in its own force.
+//!
+//! ```text
+//! r_k = (û_k + μ Ĝ_k F̂_k(û) − η û⁰_k) / (1 + |Ĝ_k|) = 0
+//! ```
+//!
+//! The row factor 1/(1 + |Ĝ|) makes the residual a displacement where the contact is soft against the structure and a
+//! force where it is stiff, so that neither loses digits and nothing is divided by a receptance that may vanish.
+
+use contact::Law;
+use faer::{Mat, c64};
+
+use crate::dense::Lu;
+use crate::problem::Contact;
+use crate::structure::Condensed;
+
+/// Dimensionless balance of the active contacts at one frequency; buffers are reused.
+#[derive(Debug)]
+pub(crate) struct Point {
+    /// Contacts in the iteration, ascending; the others are held at rest.
+    pub(crate) active: Vec<usize>,
+    /// Ĝ, entry `[slot][i][l]` over active contacts.
+    pub(crate) receptance: Vec<c64>,
+    /// û⁰, entry `[slot][i]`.
+    pub(crate) free: Vec<c64>,
+    /// 1/(1 + |Ĝ_ii|), entry `[slot][i]`.
+    pub(crate) weight: Vec<f64>,
+    /// Unit of displacement in m, one an active contact.
+    pub(crate) length: Vec<f64>,
+    /// Unit of force in N, one an active contact.
+    pub(crate) force: Vec<f64>,
+    held: Held,
+}
+
+/// What is needed to keep some contacts at rest.
+#[derive(Debug)]
+struct Held {
+    contacts: Vec<usize>,
+    lu: Lu<c64>,
+    rhs: Mat<c64>,
+}
+
+impl Point {
+    pub(crate) fn new(contacts: usize, slots: usize) -> Self {
+        Self {
+            active: Vec::with_capacity(contacts),
+            receptance: vec![c64::ZERO; slots * contacts * contacts],
+            free: vec![c64::ZERO; slots * contacts],
+            weight: vec![1.0; slots * contacts],
+            length: vec![1.0; contacts],
+            force: vec![1.0; contacts],
+            held: Held {
+                contacts: Vec::with_capacity(contacts),
+                lu: Lu::new(contacts, contacts + 1),
+                rhs: Mat::zeros(contacts, contacts + 1),
+            },
+        }
+    }
+
+    /// Number of active contacts.
+    pub(crate) fn width(&self) -> usize {
+        self.active.len()
+    }
+
+    /// The balance of `condensed`, with the contacts marked in `held` kept at zero displacement:
+    /// `G' = G − G_fh G_hh⁻¹ G_hf`, `u⁰' = u⁰ − G_fh G_hh⁻¹ u⁰_h`.
+    pub(crate) fn set(&mut self, condensed: &Condensed, contacts: &[Contact], slots: usize, held: &[bool]) {
+        let all = condensed.contacts;
+        let is_held = |c: usize| held.get(c).copied().unwrap_or(false);
+        self.active.clear();
+        self.active.extend((0..all).filter(|&c| !is_held(c)));
+        self.held.contacts.clear();
+        self.held.contacts.extend((0..all).filter(|&c| is_held(c)));
+        for slot in 0..slots {
+            self.reduce(condensed, slot);
+        }
+        self.scale(contacts, slots);
+    }
+
+    /// Physical receptance and free response of the active contacts of one slot.
+    fn reduce(&mut self, condensed: &Condensed, slot: usize) {
+        let (all, width) = (condensed.contacts, self.active.len());
+        let held = self.held.contacts.len();
+        let g = |i: usize, l: usize| condensed.receptance[(slot * all + i) * all + l];
+        let free = |i: usize| condensed.free[slot * all + i];
+        if held > 0 {
+            for (r, &h) in self.held.contacts.iter().enumerate() {
+                for (c, &other) in self.held.contacts.iter().enumerate() {
+                    self.held.lu.matrix[(r, c)] = g(h, other);
+                }
+                for (c, &other) in self.active.iter().enumerate() {
+                    self.held.rhs[(r, c)] = g(h, other);
+                }
+                self.held.rhs[(r, width)] = free(h);
+            }
+            self.held.lu.factor(held);
+            self.held.lu.solve(self.held.rhs.as_mut().submatrix_mut(0, 0, held, width + 1));
+        }
+        let through = |i: usize, column: usize| -> c64 {
+            self.held.contacts.iter().enumerate().map(|(r, &h)| g(i, h) * self.held.rhs[(r, column)]).sum()
+        };
+        for (row, &i) in self.active.iter().enumerate() {
+            for (column, &l) in self.active.iter().enumerate() {
+                self.receptance[(slot * width + row) * width + column] = g(i, l) - through(i, column);
+            }
+            self.free[slot * width + row] = free(i) - through(i, width);
+        }
+    }
+
+    /// Units of length and force, and the row factors.
+    fn scale(&mut self, contacts: &[Contact], slots: usize) {
+        let width = self.width();
+        for (row, &c) in self.active.iter().enumerate() {
+            let size: f64 = (0..slots).map(|s| self.free[s * width + row].norm()).fold(0.0, f64::max);
+            let Contact { law, scale, .. } = &contacts[c];
+            let length = law.length().unwrap_or(if size > 0.0 { size } else { 1.0 });
+            let force = law.secant_stiffness(length) * length * scale;
+            self.length[row] = length;
+            self.force[row] = if force > 0.0 { force } else { 1.0 };
+        }
+        for slot in 0..slots {
+            for row in 0..width {
+                for column in 0..width {
+                    self.receptance[(slot * width + row) * width + column] *=
+                        self.force[column] / self.length[row];
+                }
+                self.free[slot * width + row] /= self.length[row];
+                let own = self.receptance[(slot * width + row) * width + row].norm();
+                self.weight[slot * width + row] = 1.0 / (1.0 + own);
+            }
+        }
+    }
+
+    /// Norm of the weighted excitation, to which residuals are relative.
+    pub(crate) fn excitation_norm(&self, slots: usize) -> f64 {
+        let count = slots * self.width();
+        let rows = self.free.iter().zip(&self.weight).take(count);
+        rows.map(|(free, weight)| (free * weight).norm_sqr()).sum::<f64>().sqrt()
+    }
+
+    /// Harmonic `slot` of the forces in N that keep the held contacts at rest, `G_hh⁻¹ (u⁰_h − G_hf F_f)`, given the
+    /// dimensionless forces `[slot][i]` of the active ones; one value a held contact, in order.
+    pub(crate) fn holding_forces(
+        &mut self,
+        condensed: &Condensed,
+        slot: usize,
+        active_forces: &[c64],
+        mut receive: impl FnMut(usize, c64),
+    ) {
+        let (all, width, held) = (condensed.contacts, self.active.len(), self.held.contacts.len());
+        let g = |i: usize, l: usize| condensed.receptance[(slot * all + i) * all + l];
+        for (r, &h) in self.held.contacts.iter().enumerate() {
+            for (c, &other) in self.held.contacts.iter().enumerate() {
+                self.held.lu.matrix[(r, c)] = g(h, other);
+            }
+            let pull: c64 = self
+                .active
+                .iter()
+                .enumerate()
+                .map(|(c, &l)| g(h, l) * active_forces[slot * width + c] * self.force[c])
+                .sum();
+            self.held.rhs[(r, 0)] = condensed.free[slot * all + h] - pull;
+        }
+        self.held.lu.factor(held);
+        self.held.lu.solve(self.held.rhs.as_mut().submatrix_mut(0, 0, held, 1));
+        for (r, &h) in self.held.contacts.iter().enumerate() {
+            receive(h, self.held.rhs[(r, 0)]);
+        }
+    }
+}
+
+/// The linear law's dimensionless stiffness, or the secant stiffness of any law with a describing function at the
+/// dimensionless amplitude `a`; zero for others.
+pub(crate) fn secant(law: &dyn Law, scale: f64, a: f64, length: f64, force: f64) -> c64 {
+    let Some(describing) = law.describing_function() else { return c64::ZERO };
+    let amplitude = a.max(1e-12) * length;
+    describing.first_harmonic(amplitude).force * (scale * length / (force * amplitude))
+}

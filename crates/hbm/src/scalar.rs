@@ -1,0 +1,282 @@
+//! One harmonic, one contact: a real equation whose roots are all found, without a starting guess.
+//!
+//! With the complex secant stiffness `k(a) = F_1(a)/a`, which depends on a = |u_1| alone,
+//! `u_1 = u⁰ / (1 + G k(a))`, so
+//!
+//! ```text
+//! φ(a) = |a + G F_1(a)| − |u⁰| = 0
+//! ```
+
+use contact::DescribingFunction;
+use num_complex::Complex64;
+
+/// The balance of the first harmonic at one contact.
+pub(crate) struct ScalarBalance<'l> {
+    pub(crate) law: &'l dyn DescribingFunction,
+    /// Factor on the law's force.
+    pub(crate) scale: f64,
+    /// G in m/N.
+    pub(crate) receptance: Complex64,
+    /// u⁰ in m, not zero.
+    pub(crate) free: Complex64,
+    /// Amplitude in m at which the law has its character.
+    pub(crate) length: f64,
+}
+
+/// A node of the search: amplitude, φ and φ'.
+#[derive(Clone, Copy)]
+struct Node {
+    a: f64,
+    value: f64,
+    slope: f64,
+}
+
+/// Neighbouring nodes of the grid differ by this factor at most.
+const RATIO: f64 = 2.0;
+
+/// No grid spans more nodes than this (2^240 covers all of f64's useful range).
+const MOST_NODES: usize = 240;
+
+impl ScalarBalance<'_> {
+    fn node(&self, a: f64) -> Node {
+        let first = self.law.first_harmonic(a);
+        let z = a + self.receptance * first.force * self.scale;
+        let dz = 1.0 + self.receptance * first.derivative * self.scale;
+        let norm = z.norm();
+        Node {
+            a,
+            value: norm - self.free.norm(),
+            slope: if norm > 0.0 { (z.conj() * dz).re / norm } else { 0.0 },
+        }
+    }
+
+    /// |G F_1(a)| in m.
+    fn pull(&self, a: f64) -> f64 {
+        (self.receptance * self.law.first_harmonic(a).force * self.scale).norm()
+    }
+
+    /// Whether the contact can hold the excitation at rest.
+    pub(crate) fn can_hold(&self) -> bool {
+        let limit = self.receptance * self.law.at_rest() * self.scale;
+        limit != Complex64::ZERO && self.free.norm() <= limit.norm()
+    }
+
+    /// Harmonic of the relative displacement in m that belongs to the root `a`.
+    pub(crate) fn displacement(&self, a: f64) -> Complex64 {
+        let z = a + self.receptance * self.law.first_harmonic(a).force * self.scale;
+        self.free * (a / z)
+    }
+
+    /// |φ| relative to |u⁰|.
+    pub(crate) fn residual(&self, a: f64) -> f64 {
+        self.node(a).value.abs() / self.free.norm()
+    }
+
+    /// No root lies above: there either the displacement outweighs the contact's pull and the pull per amplitude
+    /// falls, or the pull outweighs it and rises.
+    fn upper_end(&self) -> f64 {
+        let free = self.free.norm();
+        let mut a = free.max(self.length);
+        for _ in 0..MOST_NODES {
+            let (here, beyond) = (self.pull(a), self.pull(2.0 * a));
+            let softening = beyond <= 2.0 * here;
+            if (softening && a > free + here) || (!softening && here > a + free) {
+                break;
+            }
+            a *= RATIO;
+        }
+        a
+    }
+
+    /// No root lies below, or so close to rest that the law is linear there up to rest itself.
+    fn lower_end(&self, upper: f64) -> f64 {
+        let free = self.free.norm();
+        let floor = if self.law.at_rest() == Complex64::ZERO {
+            0.0
+        } else {
+            1e-3 * self.law.landmark().unwrap_or(self.length)
+        };
+        let mut a = 0.5 * upper;
+        for _ in 0..MOST_NODES {
+            if a <= floor || a + self.pull(a) < free {
+                break;
+            }
+            a /= RATIO;
+        }
+        a
+    }
+
+    /// All amplitudes a > 0 with φ(a) = 0, ascending, appended to `roots`.
+    pub(crate) fn roots(&self, roots: &mut Vec<f64>) {
+        let upper = self.upper_end();
+        let lower = self.lower_end(upper);
+        let landmark = self.law.landmark().filter(|l| *l > lower && *l < upper);
+        let mut left = if self.law.at_rest() == Complex64::ZERO { self.node(lower) } else { self.node(0.0) };
+        let mut a = if left.a == 0.0 { lower } else { lower * RATIO };
+        loop {
+            let last = a >= upper;
+            let mut right = a.min(upper);
+            if let Some(l) = landmark.filter(|l| left.a < *l && *l < right) {
+                right = l;
+            } else {
+                a = right * RATIO;
+            }
+            let node = self.node(right);
+            self.cell(left, node, roots);
+            // The slope may jump at a landmark: go on with the slope beyond it.
+            left = if Some(right) == landmark { self.node(right * (1.0 + 4.0 * f64::EPSILON)) } else { node };
+            if last && right >= upper {
+                break;
+            }
+        }
+    }
+
+    /// Roots between two nodes. Where the slope changes sign the cell is split at the extreme value, so that a pair
+    /// of roots that nearly touch is not lost.
+    fn cell(&self, left: Node, right: Node, roots: &mut Vec<f64>) {
+        if left.slope * right.slope >= 0.0 {
+            self.monotone(left, right, roots);
+            return;
+        }
+        let (mut low, mut high) = (left, right);
+        for _ in 0..60 {
+            let secant = low.a + (high.a - low.a) * low.slope / (low.slope - high.slope);
+            let margin = 0.05 * (high.a - low.a);
+            let middle = self.node(secant.clamp(low.a + margin, high.a - margin));
+            if middle.slope * low.slope > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+            // Enough once φ has changed sign between an end and the extreme, or the extreme is found.
+            let crossed = middle.value * left.value < 0.0 && middle.value * right.value < 0.0;
+            if crossed || high.a - low.a <= 1e-13 * high.a {
+                break;
+            }
+        }
+        let extreme = if low.value.abs() < high.value.abs() { low } else { high };
+        if left.value * extreme.value > 0.0
+            && right.value * extreme.value > 0.0
+            && extreme.value.abs() <= 1e-14 * self.free.norm()
+        {
+            roots.push(extreme.a);
+            return;
+        }
+        self.monotone(left, extreme, roots);
+        self.monotone(extreme, right, roots);
+    }
+
+    /// The root between two nodes of different sign, by Newton's method kept inside the bracket.
+    fn monotone(&self, left: Node, right: Node, roots: &mut Vec<f64>) {
+        if left.value == 0.0 && left.a > 0.0 {
+            roots.push(left.a);
+            return;
+        }
+        if left.value * right.value >= 0.0 {
+            return;
+        }
+        let (mut low, mut high) = (left, right);
+        let mut here = if left.value.abs() < right.value.abs() { left } else { right };
+        for _ in 0..100 {
+            let newton = here.a - here.value / here.slope;
+            let next = if newton > low.a && newton < high.a { newton } else { 0.5 * (low.a + high.a) };
+            let step = (next - here.a).abs();
+            here = self.node(next);
+            if here.value * low.value > 0.0 {
+                low = here;
+            } else {
+                high = here;
+            }
+            if here.value == 0.0
+                || step <= 2.0 * f64::EPSILON * next
+                || high.a - low.a <= 2.0 * f64::EPSILON * high.a
+            {
+                break;
+            }
+        }
+        roots.push(here.a);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contact::{
+        Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, MagnitudeLaw, PhaseLaw,
+        ScaledLoop,
+    };
+    use std::f64::consts::PI;
+
+    fn roots(law: &dyn Law, receptance: Complex64, free: f64) -> Vec<f64> {
+        let mut roots = Vec::new();
+        let balance = ScalarBalance {
+            law: law.describing_function().unwrap(),
+            scale: 1.0,
+            receptance,
+            free: Complex64::from(free),
+            length: law.length().unwrap_or(free),
+        };
+        balance.roots(&mut roots);
+        roots
+    }
+
+    #[test]
+    fn the_three_solutions_of_an_undamped_duffing_oscillator() {
+        // a + G ¾ k₃ a³ = ± u⁰ with G = −1, ¾ k₃ = 1, u⁰ = 0.2: a − a³ = ±0.2.
+        let law = Cubic::new(CubicParameters { stiffness: 4.0 / 3.0 }).unwrap();
+        let found = roots(&law, Complex64::new(-1.0, 0.0), 0.2);
+        // Roots of a³ − a ± 0.2 = 0 by Viète: a = 2/√3 cos(…).
+        let r = 2.0 / 3.0_f64.sqrt();
+        let angle = (0.2 * 1.5 * 3.0_f64.sqrt()).acos() / 3.0;
+        let mut expected = vec![
+            r * angle.cos(),
+            r * (angle - 2.0 * PI / 3.0).cos().abs(),
+            r * (angle + 2.0 * PI / 3.0).cos().abs(),
+        ];
+        expected.sort_by(f64::total_cmp);
+        assert_eq!(found.len(), 3, "{found:?}");
+        for (a, b) in found.iter().zip(&expected) {
+            assert!((a - b).abs() < 1e-14, "{found:?} {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_nearly_touching_pair_is_found() {
+        // a − a³ has its maximum 2/(3√3) at a = 1/√3; just below it two roots lie 1e-6 apart.
+        let law = Cubic::new(CubicParameters { stiffness: 4.0 / 3.0 }).unwrap();
+        let top = 2.0 / (3.0 * 3.0_f64.sqrt());
+        let found = roots(&law, Complex64::new(-1.0, 0.0), top * (1.0 - 1e-12));
+        assert_eq!(found.len(), 3, "{found:?}");
+        assert!((found[0] - 1.0 / 3.0_f64.sqrt()).abs() < 1e-6 && (found[1] - found[0]) < 2e-6);
+        assert_eq!(roots(&law, Complex64::new(-1.0, 0.0), top * (1.0 + 1e-9)).len(), 1);
+    }
+
+    #[test]
+    fn a_sticking_element_is_a_spring() {
+        let law = ElasticCoulomb::new(ElasticCoulombParameters { stiffness: 3.0, slip_force: 1.0 }).unwrap();
+        let g = Complex64::new(0.5, -0.2);
+        let found = roots(&law, g, 0.1);
+        assert_eq!(found.len(), 1);
+        assert!((found[0] - 0.1 / (1.0 + 3.0 * g).norm()).abs() < 1e-16);
+    }
+
+    #[test]
+    fn slip_limit() {
+        // Large excitation: the force tends to the damping force 4 F_s / π in quadrature.
+        let law = ElasticCoulomb::new(ElasticCoulombParameters { stiffness: 3.0, slip_force: 1.0 }).unwrap();
+        let g = Complex64::new(0.0, -1.0);
+        let found = roots(&law, g, 1e9);
+        assert_eq!(found.len(), 1);
+        assert!((found[0] - (1e9 - 4.0 / PI)).abs() < 1e-3);
+    }
+
+    #[test]
+    fn held_or_sliding() {
+        let law = ScaledLoop::ellipse(1.0, 1.0, MagnitudeLaw::default(), PhaseLaw::default()).unwrap();
+        let g = Complex64::new(1.0, 0.0);
+        assert!(roots(&law, g, 0.0129).is_empty());
+        let found = roots(&law, g, 0.01292);
+        assert_eq!(found.len(), 1);
+        assert!(found[0] < 1e-3);
+    }
+}

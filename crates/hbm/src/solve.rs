@@ -1,0 +1,280 @@
+//! The response at one frequency: from the closed form, the ladder, or at rest.
+
+use contact::{ContactState, LawError};
+use faer::c64;
+
+use crate::balance::Homotopy;
+use crate::newton::Outcome;
+use crate::plan::{Plan, Workspace};
+use crate::scalar::ScalarBalance;
+use crate::settings::Start;
+use crate::solution::{FailureReason, Solution, Stats, Status};
+
+/// How the ladder above the solutions of the first harmonic ended.
+enum Climb {
+    /// At least one solution is reported.
+    Solved,
+    /// The best of the attempts.
+    Failed(Outcome),
+    /// With one harmonic the contact can only be at rest.
+    Held,
+}
+
+impl Plan {
+    /// The response at `frequency` in Hz, independent of any other point (also where a march is set: that is what
+    /// [`crate::sweep`] does with [`Plan::solve_next`]).
+    pub fn solve(&self, frequency: f64, workspace: &mut Workspace) -> Solution {
+        let mut solution = Solution::default();
+        self.solve_into(frequency, workspace, &mut solution);
+        solution
+    }
+
+    /// As [`Plan::solve`], into a solution whose memory is reused: nothing is allocated once the buffers have grown,
+    /// unless other solutions are asked for.
+    pub fn solve_into(&self, frequency: f64, ws: &mut Workspace, solution: &mut Solution) {
+        ws.has_previous = false;
+        self.solve_next(frequency, ws, solution);
+    }
+
+    /// As [`Plan::solve_into`], but a march starts from the point solved last in this workspace. Where that fails
+    /// the point starts on its own.
+    pub fn solve_next(&self, frequency: f64, ws: &mut Workspace, solution: &mut Solution) {
+        solution.clear(frequency, self.settings.harmonics);
+        ws.stats = Stats::default();
+        ws.held.fill(false);
+        ws.newton.history.clear();
+        if let Err(harmonic) = self.structure.condense(frequency, &mut ws.condensed) {
+            ws.has_previous = false;
+            solution.status = Status::Failed(FailureReason::SingularStructure { harmonic });
+            return;
+        }
+        ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
+        if self.settings.start == Start::March && ws.has_previous && self.march(ws, solution) {
+            return;
+        }
+        if ws.point.excitation_norm(self.slots()) == 0.0 {
+            self.at_rest_without_load(ws, solution);
+        } else if self.linear {
+            self.linear(ws, solution);
+        } else if self.scalar {
+            self.closed_form(ws, solution);
+        } else {
+            self.iterative(ws, solution);
+        }
+        solution.stats = ws.stats;
+        ws.has_previous = solution.status.solved();
+    }
+
+    /// Nothing moves the contacts.
+    fn at_rest_without_load(&self, ws: &mut Workspace, solution: &mut Solution) {
+        ws.unknowns.fill(c64::ZERO);
+        for held in &mut ws.held {
+            *held = true;
+        }
+        ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
+        self.holding_forces(ws);
+        self.report(Status::Converged, 0.0, ws, solution);
+        for (contact, report) in self.contacts.iter().zip(&mut solution.contacts) {
+            report.state =
+                if contact.law.holding_force() > 0.0 { ContactState::Held } else { ContactState::Stick };
+        }
+    }
+
+    /// All laws are linear: one linear system a harmonic.
+    fn linear(&self, ws: &mut Workspace, solution: &mut Solution) {
+        let slots = self.slots();
+        self.solve_linearised(slots, self.first_slot().unwrap_or(0), ws);
+        let last = self.rungs.len() - 1;
+        let evaluated = self.balance(last).evaluate(
+            &ws.point,
+            slots,
+            Homotopy::NONE,
+            &ws.unknowns,
+            &mut ws.balance[last],
+        );
+        match evaluated {
+            Ok(residual) => {
+                solution.solutions = Some(1);
+                self.report(Status::Converged, residual / ws.point.excitation_norm(slots), ws, solution);
+            }
+            Err(error) => self.fail(Some(error), f64::INFINITY, ws, solution),
+        }
+    }
+
+    /// The balance of the first harmonic at the only contact.
+    fn scalar_balance<'a>(&'a self, ws: &Workspace) -> Option<ScalarBalance<'a>> {
+        let contact = self.contacts.first()?;
+        let slot = self.first_slot()?;
+        let free = ws.condensed.free[slot];
+        if free == c64::ZERO {
+            return None;
+        }
+        Some(ScalarBalance {
+            law: contact.law.describing_function()?,
+            scale: contact.scale,
+            receptance: ws.condensed.receptance[slot],
+            free,
+            length: contact.law.length().unwrap_or(free.norm()),
+        })
+    }
+
+    /// Puts root `a` of the scalar balance into the unknowns and forces of rung 0.
+    fn place_root(&self, balance: &ScalarBalance, a: f64, ws: &mut Workspace) {
+        let (Some(slot), length, force) = (self.first_slot(), ws.point.length[0], ws.point.force[0]) else {
+            return;
+        };
+        let displacement = balance.displacement(a);
+        ws.unknowns.fill(c64::ZERO);
+        ws.balance[0].forces.fill(c64::ZERO);
+        ws.unknowns[slot] = displacement / length;
+        let first = balance.law.first_harmonic(a).force * balance.scale;
+        ws.balance[0].forces[slot] = first * (displacement / a) / force;
+        if slot == 1 {
+            // A mean that no contact force opposes.
+            ws.unknowns[0] = ws.point.free[0];
+        }
+    }
+
+    /// One harmonic, one contact: all solutions, the one of largest amplitude first, at rest only if it is alone.
+    fn closed_form(&self, ws: &mut Workspace, solution: &mut Solution) {
+        let Some(balance) = self.scalar_balance(ws) else {
+            return self.iterative(ws, solution);
+        };
+        let mut roots = std::mem::take(&mut ws.roots);
+        roots.clear();
+        balance.roots(&mut roots);
+        roots.sort_by(|a, b| b.total_cmp(a));
+        let can_hold = balance.can_hold();
+        let mut reported = false;
+        for &a in &roots {
+            let others = reported.then(|| Solution::empty(solution.frequency, solution.harmonics));
+            self.place_root(&balance, a, ws);
+            match others {
+                None => self.report(Status::Converged, balance.residual(a), ws, solution),
+                Some(mut other) => {
+                    self.report(Status::Converged, balance.residual(a), ws, &mut other);
+                    solution.others.push(other);
+                }
+            }
+            reported = true;
+            if !self.settings.all_solutions {
+                break;
+            }
+        }
+        let count = roots.len() + usize::from(can_hold);
+        ws.roots = roots;
+        if can_hold && (!reported || self.settings.all_solutions) {
+            if reported {
+                let mut other = Solution::empty(solution.frequency, solution.harmonics);
+                self.try_holding(ws, &mut other);
+                solution.others.push(other);
+            } else {
+                self.try_holding(ws, solution);
+            }
+        }
+        solution.solutions = Some(count);
+    }
+
+    /// Newton's method from every start; at rest when nothing slides.
+    fn iterative(&self, ws: &mut Workspace, solution: &mut Solution) {
+        let start = self.scalar_balance(ws).filter(|_| self.scalar_start);
+        let mut outcome = match start {
+            Some(balance) => match self.climb_from_roots(&balance, ws, solution) {
+                Climb::Solved => return,
+                Climb::Failed(outcome) => outcome,
+                Climb::Held if self.try_holding(ws, solution) => return,
+                Climb::Held => Outcome::NONE,
+            },
+            None => {
+                self.secant_start(ws);
+                self.climb(0, ws)
+            }
+        };
+        if !outcome.converged {
+            let law_error = outcome.law_error;
+            outcome = self.fall_back(ws);
+            outcome.law_error = outcome.law_error.or(law_error);
+        }
+        if outcome.converged {
+            return self.report(Status::Converged, outcome.residual, ws, solution);
+        }
+        if !self.try_holding(ws, solution) {
+            self.fail(outcome.law_error, outcome.residual, ws, solution);
+        }
+    }
+
+    /// The ladder above every solution of the first harmonic, the largest amplitude first.
+    fn climb_from_roots(
+        &self,
+        balance: &ScalarBalance,
+        ws: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Climb {
+        let mut roots = std::mem::take(&mut ws.roots);
+        roots.clear();
+        balance.roots(&mut roots);
+        roots.sort_by(|a, b| b.total_cmp(a));
+        let mut failed = Outcome::NONE;
+        let mut found = false;
+        for &a in &roots {
+            self.place_root(balance, a, ws);
+            // A ladder of one rung is climbed all the same: its balance is asked for, not the closed form.
+            let outcome = self.climb(usize::from(self.rungs.len() > 1), ws);
+            if outcome.converged {
+                self.accept(&outcome, found, ws, solution);
+                found = true;
+                if !self.settings.all_solutions {
+                    break;
+                }
+            } else if outcome.residual < failed.residual {
+                failed = outcome;
+            }
+        }
+        let nothing_slides = roots.is_empty() && balance.can_hold();
+        ws.roots = roots;
+        match (found, nothing_slides) {
+            (true, _) => Climb::Solved,
+            (false, true) => Climb::Held,
+            (false, false) => Climb::Failed(failed),
+        }
+    }
+
+    /// Reports a converged iteration, as a further solution when one is reported already and this one is new.
+    fn accept(&self, outcome: &Outcome, further: bool, ws: &mut Workspace, solution: &mut Solution) {
+        if !further {
+            return self.report(Status::Converged, outcome.residual, ws, solution);
+        }
+        let mut other = Solution::empty(solution.frequency, solution.harmonics);
+        self.report(Status::Converged, outcome.residual, ws, &mut other);
+        let known = std::iter::once(&*solution).chain(&solution.others);
+        if known.into_iter().all(|s| s.differs_from(&other)) {
+            solution.others.push(other);
+        }
+    }
+
+    fn fail(&self, law_error: Option<LawError>, residual: f64, ws: &Workspace, solution: &mut Solution) {
+        let reason = match law_error {
+            Some(LawError::NoMotion) => FailureReason::HoldingLimit,
+            Some(error @ LawError::NegativeMagnitude { .. }) => FailureReason::Law(error),
+            _ => FailureReason::NotConverged,
+        };
+        solution.status = Status::Failed(reason);
+        solution.residual = residual;
+        solution.residual_history.extend_from_slice(&ws.newton.history);
+    }
+
+    /// The paper's strategy: damped Newton from the previous frequency's solution.
+    fn march(&self, ws: &mut Workspace, solution: &mut Solution) -> bool {
+        let width = ws.point.width();
+        for entry in 0..self.slots() * width {
+            ws.unknowns[entry] = ws.previous[entry] / ws.point.length[entry % width];
+        }
+        let last = self.rungs.len() - 1;
+        let outcome = self.iterate(last, self.slots(), Homotopy::NONE, ws);
+        if outcome.converged {
+            self.report(Status::Converged, outcome.residual, ws, solution);
+            solution.stats = ws.stats;
+        }
+        outcome.converged
+    }
+}

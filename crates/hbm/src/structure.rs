@@ -1,0 +1,192 @@
+//! The linear structure seen from its contacts: receptances and free response at one frequency, everything else
+//! condensed away.
+//!
+//! With `H_k = C − (kΩ)² M + i kΩ D`, eq. (4), contact directions B (one column a contact, relative displacement
+//! u = Bᵀ w) and contact forces F on the first bodies' drive (rig convention):
+//!
+//! ```text
+//! w_k = H_k⁻¹ f_k − H_k⁻¹ B F_k,   u_k = u⁰_k − G_k F_k,   G_k = Bᵀ H_k⁻¹ B,   u⁰_k = Bᵀ H_k⁻¹ f_k
+//! ```
+
+use faer::{Mat, c64};
+
+use crate::dense::Lu;
+use crate::harmonics::Harmonics;
+use crate::problem::{ExcitationKind, Problem};
+
+/// Pivots of the balanced dynamic stiffness below this fraction of the largest count as zero.
+const SINGULAR: f64 = 1e-15;
+
+/// One entry of a harmonic's excitation vector: `amplitude · Ω^power` on `dof`.
+#[derive(Debug, Clone, Copy)]
+struct Load {
+    dof: usize,
+    amplitude: c64,
+    grows: bool,
+}
+
+/// The parts of a problem that do not change with frequency.
+#[derive(Debug)]
+pub(crate) struct Structure {
+    mass: Mat<f64>,
+    damping: Mat<f64>,
+    stiffness: Mat<f64>,
+    contacts: Vec<(usize, Option<usize>)>,
+    outputs: Vec<usize>,
+    /// Harmonics of Ω, one a slot.
+    orders: Vec<usize>,
+    /// Excitation of each slot.
+    loads: Vec<Vec<Load>>,
+}
+
+/// The structure at one frequency, in SI units; buffers are reused.
+#[derive(Debug)]
+pub(crate) struct Condensed {
+    pub(crate) contacts: usize,
+    pub(crate) outputs: usize,
+    /// G, entry `[slot][i][l]`.
+    pub(crate) receptance: Vec<c64>,
+    /// u⁰, entry `[slot][i]`.
+    pub(crate) free: Vec<c64>,
+    /// Displacement of an output dof per unit contact force, entry `[slot][o][l]`; to be subtracted.
+    pub(crate) recovery: Vec<c64>,
+    /// Displacement of an output dof without contact forces, entry `[slot][o]`.
+    pub(crate) free_output: Vec<c64>,
+    lu: Lu<c64>,
+    rhs: Mat<c64>,
+    scale: Vec<f64>,
+}
+
+impl Structure {
+    pub(crate) fn new(problem: &Problem, harmonics: &Harmonics) -> Self {
+        let model = &problem.model;
+        let n = model.dofs();
+        let mut loads = vec![Vec::new(); harmonics.orders.len()];
+        for excitation in problem.excitation.iter().filter(|e| e.amplitude != 0.0) {
+            let Some(slot) = harmonics.orders.iter().position(|&k| k == excitation.harmonic) else {
+                continue;
+            };
+            let Some(loads) = loads.get_mut(slot) else { continue };
+            let mut amplitude = c64::from_polar(excitation.amplitude, excitation.phase);
+            if excitation.harmonic == 0 {
+                amplitude.im = 0.0;
+            }
+            let dof = excitation.dof;
+            match excitation.kind {
+                ExcitationKind::Force => loads.push(Load { dof, amplitude, grows: false }),
+                ExcitationKind::Unbalance => loads.push(Load { dof, amplitude, grows: true }),
+                ExcitationKind::Base => loads.extend((0..n).map(|dof| {
+                    let inertia: f64 = (0..n).map(|j| model.mass[(dof, j)]).sum();
+                    Load { dof, amplitude: -amplitude * inertia, grows: false }
+                })),
+            }
+        }
+        Self {
+            mass: model.mass.clone(),
+            damping: model.damping.clone(),
+            stiffness: model.stiffness.clone(),
+            contacts: problem.contacts.iter().map(|c| (c.first, c.second)).collect(),
+            outputs: problem.output.clone(),
+            orders: harmonics.orders.clone(),
+            loads,
+        }
+    }
+
+    /// Buffers for one thread.
+    pub(crate) fn condensed(&self) -> Condensed {
+        let (n, contacts, outputs, slots) =
+            (self.mass.nrows(), self.contacts.len(), self.outputs.len(), self.orders.len());
+        Condensed {
+            contacts,
+            outputs,
+            receptance: vec![c64::ZERO; slots * contacts * contacts],
+            free: vec![c64::ZERO; slots * contacts],
+            recovery: vec![c64::ZERO; slots * outputs * contacts],
+            free_output: vec![c64::ZERO; slots * outputs],
+            lu: Lu::new(n, contacts + 1),
+            rhs: Mat::zeros(n, contacts + 1),
+            scale: vec![1.0; n],
+        }
+    }
+
+    /// Condenses at Ω = 2π · `hertz`.
+    ///
+    /// # Errors
+    /// The harmonic of Ω at which the dynamic stiffness is singular.
+    pub(crate) fn condense(&self, hertz: f64, into: &mut Condensed) -> Result<(), usize> {
+        let base = std::f64::consts::TAU * hertz;
+        for (slot, &order) in self.orders.iter().enumerate() {
+            self.factor(order as f64 * base, into);
+            let ratio = into.lu.pivot_ratio();
+            if ratio.is_nan() || ratio <= SINGULAR {
+                return Err(order);
+            }
+            self.respond(slot, base, into);
+        }
+        Ok(())
+    }
+
+    /// Factors the dynamic stiffness, balanced by its diagonal so that masses and stiffnesses of very different size
+    /// become comparable.
+    fn factor(&self, omega: f64, into: &mut Condensed) {
+        let n = self.mass.nrows();
+        for (i, scale) in into.scale.iter_mut().enumerate() {
+            let size = self.stiffness[(i, i)].abs()
+                + omega * omega * self.mass[(i, i)].abs()
+                + omega * self.damping[(i, i)].abs();
+            *scale = if size > 0.0 { 1.0 / size.sqrt() } else { 1.0 };
+        }
+        for j in 0..n {
+            for i in 0..n {
+                let entry = c64::new(
+                    self.stiffness[(i, j)] - omega * omega * self.mass[(i, j)],
+                    omega * self.damping[(i, j)],
+                );
+                into.lu.matrix[(i, j)] = entry * (into.scale[i] * into.scale[j]);
+            }
+        }
+        into.lu.factor(n);
+    }
+
+    /// Responses of harmonic `slot` to a unit force at every contact and to the excitation.
+    fn respond(&self, slot: usize, base: f64, into: &mut Condensed) {
+        let (contacts, outputs) = (into.contacts, into.outputs);
+        let loads = self.loads.get(slot).map_or(&[][..], |loads| loads);
+        let columns = if loads.is_empty() { contacts } else { contacts + 1 };
+        let Condensed { rhs, scale, lu, .. } = into;
+        rhs.fill(c64::ZERO);
+        for (l, &(first, second)) in self.contacts.iter().enumerate() {
+            rhs[(first, l)] += scale[first];
+            if let Some(second) = second {
+                rhs[(second, l)] -= scale[second];
+            }
+        }
+        for load in loads {
+            let factor = if load.grows { base * base } else { 1.0 };
+            rhs[(load.dof, contacts)] += load.amplitude * (factor * scale[load.dof]);
+        }
+        if columns == 0 {
+            return;
+        }
+        lu.solve(rhs.as_mut().subcols_mut(0, columns));
+        // The displacement of a dof, relative to a second one for a contact.
+        let at = |dof: usize, column: usize| rhs[(dof, column)] * scale[dof];
+        let across = |i: usize, column: usize| {
+            let (first, second) = self.contacts[i];
+            at(first, column) - second.map_or(c64::ZERO, |second| at(second, column))
+        };
+        for i in 0..contacts {
+            for l in 0..contacts {
+                into.receptance[(slot * contacts + i) * contacts + l] = across(i, l);
+            }
+            into.free[slot * contacts + i] = if loads.is_empty() { c64::ZERO } else { across(i, contacts) };
+        }
+        for (o, &dof) in self.outputs.iter().enumerate() {
+            for l in 0..contacts {
+                into.recovery[(slot * outputs + o) * contacts + l] = at(dof, l);
+            }
+            into.free_output[slot * outputs + o] =
+                if loads.is_empty() { c64::ZERO } else { at(dof, contacts) };
+        }
+    }
+}

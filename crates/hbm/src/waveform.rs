@@ -1,0 +1,83 @@
+//! A solution in time: one period of displacements and contact forces.
+
+use std::f64::consts::TAU;
+
+use contact::{ContactState, LawError, Motion};
+use num_complex::Complex64;
+
+use crate::plan::Plan;
+use crate::solution::{ContactSolution, Solution, Waveform, WaveformContact};
+use crate::transform::Transform;
+
+impl Plan {
+    /// One period of `solution` at `samples` equidistant instants or a few more (a multiple of the reduced period,
+    /// and enough for its harmonics); `None` when the point failed.
+    pub fn waveform(&self, solution: &Solution, samples: usize) -> Option<Waveform> {
+        if !solution.status.solved() {
+            return None;
+        }
+        let repeats = self.harmonics.fundamental;
+        let least = samples.div_ceil(repeats).max(4 * (self.harmonics.highest() + 1));
+        let transform = Transform::new(least + least % 2);
+        let total = transform.samples() * repeats;
+        let in_time = |slots: &[Complex64]| repeat(&self.sampled(&transform, slots, 0), repeats);
+        let contacts = self.contacts.iter().zip(&solution.contacts);
+        Some(Waveform {
+            phase: (0..total).map(|j| TAU * j as f64 / total as f64).collect(),
+            displacement: solution.displacement.iter().map(|row| in_time(row)).collect(),
+            contacts: contacts
+                .map(|(contact, report)| WaveformContact {
+                    displacement: in_time(&report.displacement),
+                    force: match self.law_force(&transform, contact, report) {
+                        Some(force) => repeat(&force, repeats),
+                        None => in_time(&report.force),
+                    },
+                })
+                .collect(),
+        })
+    }
+
+    /// Harmonics of the base frequency 0..=n from the plan's slots, differentiated `order` times.
+    fn dense(&self, slots: &[Complex64], order: i32) -> Vec<Complex64> {
+        let mut spectrum = vec![Complex64::ZERO; self.harmonics.highest() + 1];
+        for (&k, &amplitude) in self.harmonics.reduced.iter().zip(slots) {
+            if let Some(entry) = spectrum.get_mut(k) {
+                *entry = amplitude * Complex64::new(0.0, k as f64).powi(order);
+            }
+        }
+        spectrum
+    }
+
+    fn sampled(&self, transform: &Transform, slots: &[Complex64], order: i32) -> Vec<f64> {
+        let mut samples = vec![0.0; transform.samples()];
+        transform.to_time(self.dense(slots, order).into_iter(), &mut samples, &mut transform.buffers());
+        samples
+    }
+
+    /// The law's own force on the first body over a base period; `None` at rest, where it is the holding force.
+    fn law_force(
+        &self,
+        transform: &Transform,
+        contact: &crate::Contact,
+        report: &ContactSolution,
+    ) -> Option<Vec<f64>> {
+        if report.state == ContactState::Held {
+            return None;
+        }
+        let motion = Motion {
+            spectrum: &self.dense(&report.displacement, 0),
+            displacement: &self.sampled(transform, &report.displacement, 0),
+            velocity: &self.sampled(transform, &report.displacement, 1),
+            odd: self.harmonics.odd,
+        };
+        let mut force = vec![0.0; transform.samples()];
+        let mut workspace = contact::Workspace::new(transform.samples());
+        let evaluated: Result<_, LawError> = contact.law.force(&motion, &mut workspace, &mut force);
+        evaluated.ok()?;
+        Some(force.iter().map(|f| -f * contact.scale).collect())
+    }
+}
+
+fn repeat(signal: &[f64], times: usize) -> Vec<f64> {
+    signal.iter().copied().cycle().take(signal.len() * times).collect()
+}
