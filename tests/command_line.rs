@@ -245,7 +245,15 @@ fn ctrl_c_keeps_the_finished_points() {
         "out.json",
     ];
     let child = stickslip(folder.path()).args(arguments).stderr(Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(700));
+    // The file beside the output appears when the work begins.
+    let begun = || fs::read_dir(folder.path()).unwrap().count() > 1;
+    for _ in 0..1000 {
+        if begun() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(500));
     let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(kill.success());
     let output = child.wait_with_output().unwrap();

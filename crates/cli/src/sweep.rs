@@ -2,6 +2,7 @@
 
 use std::io::{self, IsTerminal};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use scene::{Frequencies, Outcome, Prepared, RunOptions, Solved};
 
@@ -37,6 +38,7 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     }
     let prepared = scene.prepare().map_err(|error| arguments.scene.unsolvable(error))?;
 
+    let interrupted = interrupt();
     // Outputs are opened before the work: what cannot be written is known at once.
     let result = match format {
         Some(format) => Wanted::Full(Output::open(arguments.output.as_deref())?, format),
@@ -44,7 +46,7 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     };
     let period = arguments.waveform.as_deref().map(|path| Output::open(Some(path))).transpose()?;
 
-    let solved = solve(&prepared, arguments);
+    let solved = solve(&prepared, arguments, interrupted);
     let outcome = solved.outcome();
     write(result, &solved, &outcome)?;
     if let Some(output) = period {
@@ -59,12 +61,12 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     Ok(ending(&solved))
 }
 
-fn solve<'p>(prepared: &'p Prepared, arguments: &SweepArguments) -> Solved<'p> {
+fn solve<'p>(prepared: &'p Prepared, arguments: &SweepArguments, interrupted: &AtomicBool) -> Solved<'p> {
     let progress = Progress::new(prepared.points());
     let finished = |points| progress.finished(points);
     let options = RunOptions {
         threads: arguments.threads.map(usize::from),
-        cancel: Some(interrupt()),
+        cancel: Some(interrupted),
         progress: Some(&finished),
     };
     let solved = prepared.solve(&options);
