@@ -1,4 +1,5 @@
 //! Every kind of bad input: exit code 2, the entry in the message, nothing written.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;
@@ -355,6 +356,11 @@ fn arguments() {
     refused_arguments(&["sweep", "scene.json", "--threads", "0"], "--threads");
     refused_arguments(&["sweep", "scene.json", "--format", "xml"], "[possible values: json, csv]");
     refused_arguments(&["sweep", "scene.json", "-o", "out.xlsx"], "no format is called .xlsx");
+    refused_arguments(&["sweep", "scene.json", "-o", "./scene.json"], "./scene.json is named twice");
+    refused_arguments(
+        &["sweep", "scene.json", "-o", "x.csv", "--at", "5", "--waveform", "x.csv"],
+        "x.csv is named twice",
+    );
     refused_arguments(&["sweep", "scene.json", "--at", "50"], "--waveform");
     refused_arguments(&["sweep", "scene.json", "--waveform", "w.csv"], "--at");
     refused_arguments(
@@ -383,6 +389,15 @@ fn arguments() {
     refused_arguments(&["loop", "fit", "record.csv", "--units", "displacement=um,force=N"], "record.csv: ");
     refused_arguments(&["loop", "fit", "record.csv", "--units", "force=stone"], "stone");
     refused_arguments(&["loop", "fit", "record.csv", "--columns", "farce=1"], "farce");
+}
+
+#[test]
+fn bytes_that_are_no_text() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("scene.json"), b"\xff\xfe{}").unwrap();
+    let (code, _, stderr) = run(folder.path(), &["check", "scene.json"]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("cannot read scene.json: ") && stderr.contains("UTF-8"), "{stderr}");
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! Loops in scenes: records with their columns, units and signs, series, and the notes they give rise to.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::f64::consts::{PI, TAU};
 use std::fs;
