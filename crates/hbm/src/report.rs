@@ -76,20 +76,25 @@ impl Plan {
         report.extrapolated = marks.is_some_and(|marks| marks.extrapolated);
     }
 
-    /// `W = W_free − R F` for every output dof.
+    /// `W = W_free − R F` for every output dof. A dof that contacts tie to the ground is the sum of their relative
+    /// displacements instead: where a contact nearly holds it, the difference would be all cancellation.
     fn report_outputs(&self, slots: usize, outputs: usize, ws: &Workspace, solution: &mut Solution) {
         let all = self.contacts.len();
+        let contacts = &solution.contacts;
         solution.displacement.resize_with(outputs, Vec::new);
         for (o, row) in solution.displacement.iter_mut().enumerate() {
             row.clear();
+            if let Some(path) = self.structure.path_to_ground(o) {
+                row.extend((0..slots).map(|slot| -> c64 {
+                    path.iter().map(|&(c, sign)| contacts[c].displacement[slot] * sign).sum()
+                }));
+                continue;
+            }
             row.extend((0..slots).map(|slot| {
                 let entry = slot * outputs + o;
-                let moved: c64 = solution
-                    .contacts
-                    .iter()
-                    .enumerate()
-                    .map(|(c, contact)| ws.condensed.recovery[entry * all + c] * contact.force[slot])
-                    .sum();
+                let recovery = &ws.condensed.recovery[entry * all..(entry + 1) * all];
+                let moved: c64 =
+                    recovery.iter().zip(contacts).map(|(r, contact)| r * contact.force[slot]).sum();
                 ws.condensed.free_output[entry] + moved
             }));
         }

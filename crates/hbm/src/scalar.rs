@@ -154,7 +154,8 @@ impl ScalarBalance<'_> {
                 break;
             }
         }
-        let extreme = if low.value.abs() < high.value.abs() { low } else { high };
+        let lowest = (low.value < high.value) == (left.value > 0.0);
+        let extreme = if lowest { low } else { high };
         if left.value * extreme.value > 0.0
             && right.value * extreme.value > 0.0
             && extreme.value.abs() <= 1e-14 * self.free.norm()

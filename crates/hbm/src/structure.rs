@@ -33,6 +33,8 @@ pub(crate) struct Structure {
     stiffness: Mat<f64>,
     contacts: Vec<(usize, Option<usize>)>,
     outputs: Vec<usize>,
+    /// For each output dof that contacts tie to the ground: the contacts on the way and their signs.
+    paths: Vec<Option<Vec<(usize, f64)>>>,
     /// Harmonics of Ω, one a slot.
     orders: Vec<usize>,
     /// Excitation of each slot.
@@ -55,6 +57,32 @@ pub(crate) struct Condensed {
     lu: Lu<c64>,
     rhs: Mat<c64>,
     scale: Vec<f64>,
+}
+
+/// The shortest chain of contacts from every output dof to the ground, where there is one.
+fn paths_to_ground(problem: &Problem) -> Vec<Option<Vec<(usize, f64)>>> {
+    let mut known: Vec<Option<Vec<(usize, f64)>>> = vec![None; problem.model.dofs()];
+    // Each pass reaches one contact further; the ground is known from the start.
+    for _ in 0..problem.contacts.len() {
+        let reached = known.clone();
+        for (c, contact) in problem.contacts.iter().enumerate() {
+            let second = match contact.second {
+                None => Some(Vec::new()),
+                Some(dof) => reached[dof].clone(),
+            };
+            let mut extend = |dof: usize, path: Option<Vec<(usize, f64)>>, sign: f64| {
+                if let (None, Some(mut path)) = (&known[dof], path) {
+                    path.push((c, sign));
+                    known[dof] = Some(path);
+                }
+            };
+            extend(contact.first, second, 1.0);
+            if let Some(dof) = contact.second {
+                extend(dof, reached[contact.first].clone(), -1.0);
+            }
+        }
+    }
+    problem.output.iter().map(|&dof| known[dof].clone()).collect()
 }
 
 impl Structure {
@@ -87,9 +115,15 @@ impl Structure {
             stiffness: model.stiffness.clone(),
             contacts: problem.contacts.iter().map(|c| (c.first, c.second)).collect(),
             outputs: problem.output.clone(),
+            paths: paths_to_ground(problem),
             orders: harmonics.orders.clone(),
             loads,
         }
+    }
+
+    /// Contacts whose relative displacements, with these signs, add up to output dof `o`.
+    pub(crate) fn path_to_ground(&self, o: usize) -> Option<&[(usize, f64)]> {
+        self.paths.get(o)?.as_deref()
     }
 
     /// Buffers for one thread.

@@ -183,7 +183,6 @@ mod tests {
                 at_edge: false,
                 window: i..i + 1,
                 curvature: None,
-                uncertainty: 0.0,
             })
             .collect()
     }

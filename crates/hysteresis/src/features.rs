@@ -1,42 +1,36 @@
 //! Features of a record that its user should know: its area, minor loops, backlash.
 
 use std::f64::consts::PI;
-use std::ops::Range;
 
 use crate::fit::MeanCycle;
 use crate::loop_phase::LoopPhases;
 use crate::notes::Note;
 use crate::turning_points::{REVERSAL, TurningPoint, extremes, range, sample_noise};
 
-/// `∮ f dw` per cycle by the trapezoid rule: over the branches between turning points, or around the whole
-/// record where there is only one cycle. The mean force does no work over a closed cycle; without it a
-/// cycle that does not quite close does less harm.
+/// `∮ f dw` per cycle by the trapezoid rule over the raw samples between turning points; over the averaged cycle where
+/// there is no complete branch of each direction.
 pub(crate) fn direct_dissipation(
     phases: &LoopPhases,
     displacement: &[f64],
     force: &[f64],
     points: &[TurningPoint],
-    force_mean: f64,
+    cycle: &MeanCycle,
 ) -> f64 {
-    let chord = |w0: &f64, w1: &f64, f0: &f64, f1: &f64| (0.5 * (f0 + f1) - force_mean) * (w1 - w0);
-    let work = |range: Range<usize>| -> f64 {
-        let w = displacement.get(range.clone()).unwrap_or(&[]);
-        let f = force.get(range).unwrap_or(&[]);
-        let (ends, starts) = (w.iter().skip(1).zip(f.iter().skip(1)), w.iter().zip(f));
-        starts.zip(ends).map(|((w0, f0), (w1, f1))| chord(w0, w1, f0, f1)).sum()
+    let work = |w: &[f64], f: &[f64]| -> f64 {
+        let (starts, ends) = (w.iter().zip(f), w.iter().skip(1).zip(f.iter().skip(1)));
+        starts.zip(ends).map(|((w0, f0), (w1, f1))| 0.5 * (f0 + f1) * (w1 - w0)).sum()
     };
     if phases.joined {
-        let ends = (displacement.last(), displacement.first(), force.last(), force.first());
-        let closing = match ends {
-            (Some(w0), Some(w1), Some(f0), Some(f1)) => chord(w0, w1, f0, f1),
-            _ => 0.0,
-        };
-        return work(0..displacement.len()) + closing;
+        let closed = |values: &[f64]| -> Vec<f64> { values.iter().chain(values.first()).copied().collect() };
+        return work(&closed(&cycle.displacement), &closed(&cycle.force));
     }
     let mean = |upper: bool| {
         let pairs = points.iter().zip(points.iter().skip(1)).filter(|(a, _)| a.upper == upper);
-        let (sum, count) =
-            pairs.fold((0.0, 0.0), |(sum, n), (a, b)| (sum + work(a.sample..b.sample + 1), n + 1.0));
+        let (sum, count) = pairs.fold((0.0, 0.0), |(sum, n), (a, b)| {
+            let branch = a.sample..b.sample + 1;
+            let columns = (displacement.get(branch.clone()).unwrap_or(&[]), force.get(branch).unwrap_or(&[]));
+            (sum + work(columns.0, columns.1), n + 1.0)
+        });
         sum / f64::max(count, 1.0)
     };
     mean(true) + mean(false)

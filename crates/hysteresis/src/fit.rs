@@ -211,7 +211,7 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
     let displacement_drift = (drift_removed + steady.drift) * cycle;
     let height = 2.0 * amplitude;
     let mean_cycle = mean_cycle(&means, bins.max(256), amplitude, force_mean);
-    let direct_dissipation = direct_dissipation(&phases, w, f, &steady.points, force_mean);
+    let direct_dissipation = direct_dissipation(&phases, w, f, &steady.points, &mean_cycle);
     let first_point = steady.points.first().map_or(0, |p| p.sample);
     let last_point = steady.points.last().map_or(0, |p| p.sample);
 

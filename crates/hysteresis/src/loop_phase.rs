@@ -44,14 +44,9 @@ struct Tip {
 }
 
 impl Tip {
-    /// A turning point. What noise alone can move it is no reason to doubt that all of its kind are at one
-    /// level.
-    fn at(point: &TurningPoint, steady: &Steady) -> Self {
-        let level = steady.level(point.upper, point.position);
-        let by_noise = (point.displacement - level).abs() <= 3.0 * point.uncertainty;
-        let displacement = if by_noise { level } else { point.displacement };
+    fn at(point: &TurningPoint) -> Self {
         let parabola = point.curvature.map(|c| (point.window.clone(), c));
-        Self { position: point.position, displacement, parabola }
+        Self { position: point.position, displacement: point.displacement, parabola }
     }
 
     /// Distance of a sample from this tip \[m\], along the motion.
@@ -117,7 +112,7 @@ pub(crate) fn loop_phases(
         let mut found = false;
         for (a, b) in steady.points.iter().zip(steady.points.iter().skip(1)) {
             if a.upper != loading && seen(a) && seen(b) {
-                add(Tip::at(a, steady), Tip::at(b, steady), (a.position, b.position), loading, true);
+                add(Tip::at(a), Tip::at(b), (a.position, b.position), loading, true);
                 found = true;
             }
         }
@@ -127,7 +122,7 @@ pub(crate) fn loop_phases(
         // Pieces: from the record's start to the first turning point, from the last one to the end, and
         // between a turning point and one too close to the edge to be seen.
         let tip = |point: Option<&TurningPoint>, upper: bool, position: f64| match point {
-            Some(point) if seen(point) => Tip::at(point, steady),
+            Some(point) if seen(point) => Tip::at(point),
             _ => Tip { position, displacement: steady.level(upper, position), parabola: None },
         };
         let ends = |point: Option<&TurningPoint>, other: f64| point.map_or(other, |p| p.position);
@@ -159,4 +154,35 @@ pub(crate) fn largest_gap(mut thetas: Vec<f64>) -> (f64, f64) {
             _ => None,
         })
         .fold((last, first + TAU - last), |widest, gap| if gap.1 > widest.1 { gap } else { widest })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::turning_points::{extremes, turning_points};
+    use rand::SeedableRng;
+
+    #[test]
+    fn noise_does_not_blur_the_loop_phase_at_the_tips() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let (samples, noise) = (1000.0, 1e-3);
+        let position: Vec<f64> = (0..6000).map(f64::from).collect();
+        let w: Vec<f64> = position
+            .iter()
+            .map(|u| (TAU * u / samples).sin() + noise * crate::synthetic::normal(&mut rng))
+            .collect();
+        let points = turning_points(&position, &w, &extremes(&w, 0.5), 2.0);
+        let steady = Steady::find(&points, 0.02).unwrap();
+        let phases = loop_phases(&position, &w, &w, &steady).unwrap();
+        let off = |sample: &PhasedSample| {
+            let exact = (TAU * sample.position / samples - 0.5 * PI).rem_euclid(TAU);
+            let off = (sample.theta - exact).abs();
+            (exact % PI, off.min(TAU - off))
+        };
+        let near: Vec<f64> =
+            phases.samples.iter().map(off).filter(|(tip, _)| tip.min(PI - tip) < 0.03).map(|o| o.1).collect();
+        let rms = (near.iter().map(|off| off * off).sum::<f64>() / near.len() as f64).sqrt();
+        // From single samples it would be about √(2 · noise) = 0.045.
+        assert!(near.len() > 50 && rms < 0.008, "{rms}");
+    }
 }

@@ -19,8 +19,6 @@ pub struct TurningPoint {
     pub(crate) window: Range<usize>,
     /// Half the second derivative of the parabola, positive; none where no parabola fits.
     pub(crate) curvature: Option<f64>,
-    /// Standard error of its displacement from noise \[m\].
-    pub(crate) uncertainty: f64,
 }
 
 /// Reversals below this part of the record's range are not turning points of a cycle.
@@ -121,7 +119,6 @@ pub(crate) fn turning_points(
                 at_edge: false,
                 window: window(displacement, sample, depth + 5.0 * noise),
                 curvature: None,
-                uncertainty: noise,
             };
             // Noise decides where the first window ends; the next ones are even about the vertex.
             let mut window = point.window.clone();
@@ -141,8 +138,6 @@ pub(crate) fn turning_points(
                 let Some(parabola) = parabola else { break };
                 (point.position, point.displacement) = parabola.vertex();
                 point.curvature = Some(parabola.second.abs());
-                // The middle of a parabola through n samples has 9/4 of the variance of their mean.
-                point.uncertainty = 1.5 * noise / (near.len() as f64).sqrt();
                 let width = near.last()? - near.first()?;
                 let reach = (depth / parabola.second.abs()).sqrt().min(width);
                 let even = position.partition_point(|u| *u < point.position - reach)
@@ -261,6 +256,22 @@ mod tests {
                 && (level - 3.0).abs() < 1e-10
                 && (fitted.second + 2.0).abs() < 1e-9
         );
+    }
+
+    #[test]
+    fn a_dwell_is_no_parabola() {
+        use rand::SeedableRng;
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
+        let u: Vec<f64> = (0..4000).map(f64::from).collect();
+        let mut noise = || 1e-3 * crate::synthetic::normal(&mut rng);
+        let w: Vec<f64> =
+            u.iter().map(|u| (1.5 * (2.0 * PI * u / 400.0).sin()).clamp(-1.0, 1.0) + noise()).collect();
+        let points = turning_points(&u, &w, &extremes(&w, 0.5), 2.0);
+        for point in points.iter().filter(|p| !p.at_edge) {
+            assert!(point.curvature.is_none(), "{point:?}");
+            assert!((point.displacement.abs() - 1.0).abs() < 5e-3, "{point:?}");
+        }
+        assert!(points.len() > 18);
     }
 
     #[test]

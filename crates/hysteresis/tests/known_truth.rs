@@ -65,6 +65,15 @@ fn an_elastic_coulomb_loop_has_the_describing_function_of_its_closed_form() {
         w.push(displacement);
         f.push(slider);
     }
+    // Written with few digits it has steps, but no backlash.
+    let rounded = Record::new(
+        None,
+        w.iter().map(|w| (w / 4e-7).round() * 4e-7).collect(),
+        f.iter().map(|f| f64::round(*f)).collect(),
+    );
+    let notes = fitted(&rounded.unwrap()).notes;
+    assert!(!notes.iter().any(|note| matches!(note, Note::Backlash { .. })), "{notes:?}");
+
     let found = fitted(&Record::new(None, w, f).unwrap());
     let first = found.hysteresis_loop.coefficients()[1];
     // The kinks lie anywhere between two samples: (π/1000)² of the jump in slope, about stiffness ×
@@ -115,6 +124,7 @@ fn whole_cycles_are_counted_wherever_the_record_begins() {
 #[test]
 fn noise_enters_no_further_than_its_standard_error() {
     let (mut worst, mut squares, mut count) = (0.0_f64, 0.0, 0.0);
+    let (mut claims, mut spurious) = (Vec::new(), 0);
     for seed in 0..20 {
         let dirty = DirtyRecord { force_noise: 0.05, seed, ..DirtyRecord::new(truth()) };
         let found = fitted(&dirty.generate());
@@ -122,6 +132,8 @@ fn noise_enters_no_further_than_its_standard_error() {
         // 5 unloading and 4 loading branches of 256 samples: E|error|² = s² (1/5 + 1/4)/256.
         let force = truth().force_amplitude();
         let error = 0.05 * force * (0.45_f64 / 256.0).sqrt();
+        claims.extend(found.harmonic_noise.iter().skip(1).map(|claimed| (claimed / error).powi(2)));
+        spurious += found.kept_harmonics().filter(|k| *k > 15).count();
         for (k, exact) in truth().coefficients().iter().enumerate().skip(1) {
             let coefficient = found.hysteresis_loop.coefficients().get(k).copied().unwrap_or_default();
             if coefficient == Complex64::ZERO {
@@ -138,6 +150,11 @@ fn noise_enters_no_further_than_its_standard_error() {
         }
     }
     let rms = f64::sqrt(squares / count);
+    // 20 records of 31 harmonics, 7 degrees of freedom each.
+    let claimed = (claims.iter().sum::<f64>() / claims.len() as f64).sqrt();
+    assert!((claimed - 1.0).abs() < 0.05, "{claimed}");
+    // Noise passes with e^{−9} a harmonic; here are 320.
+    assert!(spurious <= 1, "{spurious}");
     // |error|² is exponentially distributed: of 300, none is above 4² but with a probability of 3e-5.
     assert!(worst < 4.0, "{worst}");
     assert!((0.8..1.25).contains(&rms), "{rms}");
@@ -154,6 +171,7 @@ fn one_noisy_cycle_tells_its_noise_from_what_the_series_leaves() {
         let error = 0.03 * truth().force_amplitude() * 2.0 / 512.0_f64.sqrt();
         let first = found.hysteresis_loop.coefficients()[1] - truth().coefficients()[1];
         assert!(first.norm() < 4.0 * error, "{} {error}", first.norm());
+        assert!((found.harmonic_noise[1] / error - 1.0).abs() < 0.13, "{}", found.harmonic_noise[1] / error);
     }
 }
 
@@ -167,13 +185,58 @@ fn a_curve_read_off_a_figure_is_enough() {
         ..DirtyRecord::steady_only(truth(), 1, 0.25)
     };
     let found = fitted(&curve.generate());
-    let coarse = found.notes.iter().any(|note| matches!(note, Note::CoarseSampling { .. }));
+    // The widest gap is arccos(1 − 2/30) = 0.367 rad at the tips: π/0.367 = 8.
+    let coarse = found.notes.iter().any(|note| matches!(note, Note::CoarseSampling { harmonics: 8, .. }));
     assert!(coarse && found.cycles == 1 && found.period.is_none(), "{:?}", found.notes);
     let (_, amplitude) = errors(&found, &truth());
     let dissipation = found.hysteresis_loop.dissipation() / truth().dissipation() - 1.0;
     assert!(amplitude < 1e-12, "{amplitude:e}");
     // Chords between 30 points of a branch.
     assert!(dissipation.abs() < 0.01, "{dissipation}");
+}
+
+#[test]
+fn the_same_few_phases_over_and_over_tell_few_harmonics() {
+    let dirty = DirtyRecord { samples_per_cycle: 12.0, ..DirtyRecord::steady_only(truth(), 6, 0.0) };
+    let found = fitted(&dirty.generate());
+    assert!(found.notes.contains(&Note::CoarseSampling { harmonics: 3, asked: 31 }), "{:?}", found.notes);
+}
+
+#[test]
+fn more_than_a_cycle_and_less_than_two_have_one_area() {
+    let mut record = DirtyRecord::steady_only(truth(), 2, 0.8).generate();
+    for column in [&mut record.displacement, &mut record.force].into_iter().chain(&mut record.time) {
+        column.truncate(700);
+    }
+    let found = fitted(&record);
+    assert!((found.direct_dissipation / truth().dissipation() - 1.0).abs() < 1e-3, "{found:?}");
+}
+
+#[test]
+fn much_noise_in_the_displacement_does_not_make_the_loop_wider() {
+    for seed in 0..5 {
+        let dirty = DirtyRecord { displacement_noise: 0.05, seed, ..DirtyRecord::new(truth()) };
+        let (_, amplitude) = errors(&fitted(&dirty.generate()), &truth());
+        // A tip is the middle of a parabola through about 70 samples: 1.5 · 0.05/√70; nine tips, three
+        // standard errors. The largest samples are 0.12 too far out.
+        assert!(amplitude < 3.0 * 1.5 * 0.05 / 70.0_f64.sqrt() / 3.0, "{amplitude:e}");
+    }
+}
+
+#[test]
+fn noise_is_not_taken_for_backlash() {
+    let stiff = synthetic::dahl_loop(8e-6, 12.0, 1e7, 31).unwrap();
+    for seed in 0..20 {
+        let dirty = DirtyRecord {
+            force_noise: 0.05,
+            displacement_noise: 0.02,
+            samples_per_cycle: 400.0,
+            seed,
+            ..DirtyRecord::new(stiff.clone())
+        };
+        let found = fitted(&dirty.generate());
+        assert!(!found.notes.iter().any(|note| matches!(note, Note::Backlash { .. })), "{:?}", found.notes);
+    }
 }
 
 #[test]
