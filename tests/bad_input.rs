@@ -428,4 +428,16 @@ fn a_force_against_the_motion_suggests_the_flag() {
     let (code, stdout, _) = run(folder.path(), &["loop", "fit", "record.csv", "--flip-force"]);
     assert_eq!(code, 0);
     assert!(stdout.contains("\"dissipation\": 0.0003"), "{stdout}");
+    fs::write(
+        folder.path().join("record.csv"),
+        record
+            .replace("force [N]", "force [kN]")
+            .replace(",", ",-")
+            .replace(",-force", ",force")
+            .replace("--", ""),
+    )
+    .unwrap();
+    let (code, _, stderr) = run(folder.path(), &["loop", "fit", "record.csv", "--flip-force"]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("leave --flip-force out"), "{stderr}");
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal};
 
-use hysteresis::{Fit, FitSettings, ForceSign, ReadOptions, Record};
+use hysteresis::{Fit, FitError, FitSettings, ForceSign, ReadOptions, Record};
 use scene::Spectrum;
 use serde::Serialize;
 
@@ -38,8 +38,15 @@ pub fn run(arguments: &FitArguments) -> Result<Ending, Failure> {
         force_sign: if arguments.flip_force { ForceSign::Reaction } else { ForceSign::Rig },
     };
     let record = Record::read(&arguments.file, &options).map_err(Failure::input)?;
-    let fit = hysteresis::fit(&record, &FitSettings::default())
-        .map_err(|error| Failure::input(format!("{}: {error}", arguments.file.display())))?;
+    let fit = hysteresis::fit(&record, &FitSettings::default()).map_err(|error| {
+        let file = arguments.file.display();
+        match error {
+            FitError::AgainstMotion { .. } if arguments.flip_force => Failure::input(format!(
+                "{file}: with --flip-force the force drives the motion; leave --flip-force out"
+            )),
+            error => Failure::input(format!("{file}: {error}")),
+        }
+    })?;
     let usual = if io::stdout().is_terminal() { TextFormat::Text } else { TextFormat::Json };
     match arguments.format.unwrap_or(usual) {
         TextFormat::Text => output::print(&text(&fit))?,
@@ -83,11 +90,11 @@ fn text(fit: &Fit) -> String {
     if let Some(period) = fit.period {
         lines.push(("period", format!("{} s ({} Hz)", digits(period), digits(1.0 / period))));
     }
-    let kept: Vec<String> = fit.kept_harmonics().map(|k| k.to_string()).collect();
+    let kept: Vec<usize> = fit.kept_harmonics().collect();
     lines.extend([
         ("noise", format!("{:.2} % of |F_1|", 100.0 * fit.noise)),
         ("even content", format!("{:.2} % of |F_1|", 100.0 * fit.even_content)),
-        ("harmonics above noise", format!("{}: {}", kept.len(), kept.join(", "))),
+        ("harmonics above noise", format!("{}: {}", kept.len(), runs(&kept))),
     ]);
     let mut text = String::new();
     for (name, value) in lines {
@@ -98,6 +105,17 @@ fn text(fit: &Fit) -> String {
         let _ = writeln!(text, "note: {note}");
     }
     text
+}
+
+/// "1, 3–31": neighbours are drawn together.
+fn runs(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b).filter_map(|run| Some((run.first()?, run.last()?)));
+    let written = runs.map(|(first, last)| match last - first {
+        0 => first.to_string(),
+        1 => format!("{first}, {last}"),
+        _ => format!("{first}–{last}"),
+    });
+    written.collect::<Vec<_>>().join(", ")
 }
 
 /// Five digits, with a power of ten only where it is needed.
@@ -112,7 +130,13 @@ fn digits(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::digits;
+    use super::{digits, runs};
+
+    #[test]
+    fn neighbours_are_drawn_together() {
+        assert_eq!(runs(&[1, 3, 4, 5, 8, 9]), "1, 3–5, 8, 9");
+        assert_eq!(runs(&[]), "");
+    }
 
     #[test]
     fn five_digits() {

@@ -101,7 +101,8 @@ fn worst(points: &[Point]) -> Vec<String> {
         lines.push(format!("and {} more; -o FILE.json has the reason of each", failed.len() - WORST));
     }
     let solved = || points.iter().filter(|point| point.reason.is_none());
-    if let Some(point) = solved().max_by(|a, b| a.residual.total_cmp(&b.residual)) {
+    let largest = solved().max_by(|a, b| a.residual.total_cmp(&b.residual));
+    if let Some(point) = largest.filter(|point| point.residual > 0.0) {
         lines.push(format!("worst residual: {:.1e} at {} Hz", point.residual, point.frequency));
     }
     if let Some(point) = solved().max_by_key(|point| point.iterations).filter(|point| point.iterations > 1) {
@@ -146,7 +147,7 @@ mod tests {
         assert!(text.starts_with("one: 11 points from 0.5 to 1.5 Hz, N = 1\n"), "{text}");
         let row = text.lines().find(|line| line.starts_with(" w")).unwrap();
         assert!(row.contains(" 1.0000 ") && row.contains("0.0 %"), "{text}");
-        assert!(text.contains("\npoints: 11 converged\nworst residual: "), "{text}");
+        assert!(text.contains("\npoints: 11 converged\n"), "{text}");
         assert!(text.lines().last().unwrap().starts_with("time: "), "{text}");
     }
 

@@ -125,4 +125,9 @@ fn a_record_that_is_no_loop_is_refused_with_its_file() {
         read(&folder, scaled(json!({ "file": "reversed.csv" }), json!("auto"))).unwrap_err().to_string();
     assert!(error.starts_with("contacts[0].law.loop.file: "), "{error}");
     assert!(error.contains("reversed.csv") && error.contains("\"force_sign\": -1"), "{error}");
+
+    record(&folder, "rig.csv", "displacement [um],force [N]", 1.0, 0.0, 1.0);
+    let turned = scaled(json!({ "file": "rig.csv", "force_sign": -1 }), json!("auto"));
+    let error = read(&folder, turned).unwrap_err().to_string();
+    assert!(error.contains("leave \"force_sign\" out"), "{error}");
 }
