@@ -31,6 +31,13 @@ Fourier coefficients are closed-form integrals between events, one-sided, w(t) =
 reference the excitation f_hat cos(Omega t). The force's are those of f' divided by ik Omega (f is continuous), which
 keeps relative accuracy in the tail; the displacement's follow from them by W = H_k^-1 F for k >= 3 (k = 1: the
 direct closed-form integral of w), and are compared with the direct integrals and with Gauss-Legendre quadrature.
+
+Accuracy (against the same orbits in 30-digit arithmetic): W_1 2e-13 relative or better (R 108, 112 Hz; 2e-15 to 3e-14
+elsewhere); harmonics up to 63 2e-12, up to 511 2e-11 relative to themselves; event times 2e-14 of a period.
+
+`--hbm` solves a naive harmonic balance (odd harmonics up to N, element marched over 16384 samples a period) and prints
+the relative l2 error of the w1 spectrum, sqrt(sum_k |W_k^N - W_k|^2) / sqrt(sum_k |W_k|^2) over all k, W_k^N = 0 for
+k > N; its digits are limited by the sampling (about 1 % of the error at N = 31).
 """
 
 import json

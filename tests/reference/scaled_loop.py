@@ -358,6 +358,7 @@ def single(hertz):
 class Balance:
     def __init__(self, hertz, n, odd=True, record=None):
         self.record = record or LOOP
+        self.quality = (3, 28)  # panels, nodes
         self.n = n
         self.ks = np.arange(1, n + 1, 2) if odd else np.arange(n + 1)
         self.g = [receptance(hertz, k) for k in self.ks]
@@ -386,7 +387,7 @@ class Balance:
 
     def residual(self, u):
         w = self.unpack(u)
-        measured = Pieces(self.record, w).harmonics(self.n)
+        measured = Pieces(self.record, w).harmonics(self.n, *self.quality)
         return self.pack(w - self.response(measured)[0])
 
     def jacobian(self, u, h=1e-6):
@@ -562,6 +563,13 @@ def make_balance():
                 full_failed += 1
             else:
                 full_found.append(min(np.max(np.abs(w - v[0])) for v in found) / np.max(np.abs(w)))
+        b.quality = (12, 40)
+        for i, (w, size) in enumerate(found):  # polish on the fine quadrature
+            u = b.pack(w)
+            jac = b.jacobian(u)
+            for _ in range(4):
+                u = u - np.linalg.solve(jac, b.residual(u))
+            found[i] = (b.unpack(u), np.max(np.abs(b.residual(u))) / np.max(np.abs(u)))
         for (w, size), hit in zip(found, hits):
             p = Pieces(record, w)
             fine = p.harmonics(31, panels=12, nodes=40)
@@ -574,7 +582,7 @@ def make_balance():
             gap, _ = separation(p.m)
             sing = np.linalg.svd(b.jacobian(b.pack(w)), compute_uv=False)
             print(f"{which} {hertz:.0f} Hz N = {n}: hits {hit}/{len(starts)} (failed {failed}), |W_1|/W* {abs(w[1]) / W_STAR:.8f}, "
-                  f"turning points {p.m.turn.size - 1}, nesting {p.depth}, residual {size:.0e}, fine quadrature "
+                  f"turning points {p.m.turn.size - 1}, nesting {p.depth}, residual {size:.0e}, with fine quadrature "
                   f"{size_fine:.0e}, all harmonics {size_full:.0e}, literal AFT 2^14 {size_lit:.0e}, level gap {gap:.1e}, "
                   f"smallest singular value {sing[-1]:.2g}; all-harmonic starts: "
                   f"{len(full_found)} converged, distances {[float(f'{x:.0e}') for x in full_found]}", flush=True)
