@@ -1,1 +1,424 @@
+//! The binary from outside: results, exit codes, files that appear whole or not at all.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+fn stickslip(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.current_dir(folder);
+    command
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    stickslip(folder).args(arguments).output().unwrap()
+}
+
+fn stdout(output: &Output) -> &str {
+    std::str::from_utf8(&output.stdout).unwrap()
+}
+
+fn stderr(output: &Output) -> &str {
+    std::str::from_utf8(&output.stderr).unwrap()
+}
+
+/// A folder with an example in it.
+fn example(template: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let output = run(folder.path(), &["init", template]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    folder
+}
+
+/// A result without its timing.
+fn result(output: &Output) -> Value {
+    let mut value: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(value.as_object_mut().unwrap().remove("timing").is_some());
+    value
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+#[test]
+fn a_sweep_has_the_form_that_was_promised() {
+    let folder = example("two-mass");
+    let output = run(folder.path(), &["sweep", "two-mass.json", "--frequencies", "20:120:11"]);
+    assert_eq!(output.status.code(), Some(0));
+    let value: Value = serde_json::from_str(stdout(&output)).unwrap();
+    assert_eq!(keys(&value), ["dofs", "format_version", "notes", "points", "scene", "timing", "units"]);
+    assert_eq!((&value["format_version"], &value["units"]), (&json!(1), &json!("SI, Hz, rad")));
+    assert_eq!((&value["scene"], &value["dofs"]), (&json!("two-mass"), &json!(["w1", "w2"])));
+    assert_eq!(keys(&value["timing"]), ["setup_s", "solve_s", "threads"]);
+    let points = value["points"].as_array().unwrap();
+    assert_eq!(points.len(), 11);
+    for (i, point) in points.iter().enumerate() {
+        assert_eq!(point["frequency"], 20.0 + 10.0 * i as f64);
+        let expected = [
+            "contacts",
+            "displacement",
+            "frequency",
+            "harmonics",
+            "iterations",
+            "residual",
+            "solutions",
+            "status",
+            "truncation_error",
+        ];
+        assert_eq!(keys(point), expected);
+        assert_eq!((&point["status"], &point["harmonics"]), (&json!("converged"), &json!(1)));
+        assert_eq!((&point["solutions"], &point["truncation_error"]), (&json!(1), &Value::Null));
+        assert!(point["residual"].as_f64().unwrap() < 1e-10);
+        let contact = &point["contacts"]["root"];
+        assert_eq!(
+            keys(contact),
+            ["amplitude", "dissipation", "extrapolated", "force", "state", "turning_points"]
+        );
+        let w = point["displacement"]["w1"][0].as_array().unwrap();
+        assert_eq!((w.len(), &w[0]), (3, &json!(1)));
+        let amplitude = w[1].as_f64().unwrap().hypot(w[2].as_f64().unwrap());
+        assert!((contact["amplitude"].as_f64().unwrap() / amplitude - 1.0).abs() < 1e-9);
+        assert!(contact["dissipation"].as_f64().unwrap() > 0.0);
+    }
+    // One point is one line.
+    assert_eq!(stdout(&output).lines().filter(|line| line.contains("\"frequency\"")).count(), 11);
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let folder = example("elastic-coulomb");
+    let sweep = |threads: &str| {
+        let arguments = [
+            "sweep",
+            "elastic-coulomb.json",
+            "--harmonics",
+            "7",
+            "--frequencies",
+            "40:120:101",
+            "--threads",
+            threads,
+        ];
+        result(&run(folder.path(), &arguments))
+    };
+    let one = sweep("1");
+    assert_eq!(one["points"].as_array().unwrap().len(), 101);
+    assert_eq!(one, sweep("2"));
+    assert_eq!(one, sweep("7"));
+}
+
+#[test]
+fn csv_is_long() {
+    let folder = example("cubic");
+    let arguments =
+        ["sweep", "cubic.json", "--harmonics", "3", "--frequencies", "40:41:2", "--format", "csv"];
+    let output = run(folder.path(), &arguments);
+    let lines: Vec<&str> = stdout(&output).lines().collect();
+    assert_eq!(lines[0], "frequency,status,dof,harmonic,re,im");
+    assert_eq!(lines.len(), 1 + 2 * 2 * 2);
+    assert!(
+        lines[1].starts_with("40,converged,w1,1,") && lines[2].starts_with("40,converged,w1,3,"),
+        "{lines:?}"
+    );
+    // The numbers are those of the JSON, to the last bit.
+    let json =
+        result(&run(folder.path(), &["sweep", "cubic.json", "--harmonics", "3", "--frequencies", "40:41:2"]));
+    let re: f64 = lines[1].split(',').nth(4).unwrap().parse().unwrap();
+    assert_eq!(json["points"][0]["displacement"]["w1"][0][1].as_f64().unwrap(), re);
+}
+
+#[test]
+fn the_format_follows_the_file_and_the_flag_wins() {
+    let folder = example("cubic");
+    let sweep = |rest: &[&str]| {
+        let output =
+            run(folder.path(), &[&["sweep", "cubic.json", "--frequencies", "40:41:2"], rest].concat());
+        assert_eq!((output.status.code(), stdout(&output)), (Some(0), ""), "{}", stderr(&output));
+    };
+    let begins = |file: &str| fs::read_to_string(folder.path().join(file)).unwrap().chars().next().unwrap();
+    sweep(&["-o", "a.csv"]);
+    sweep(&["-o", "a.json"]);
+    sweep(&["-o", "b.csv", "--format", "json"]);
+    sweep(&["-o", "plain"]);
+    assert_eq!(["a.csv", "a.json", "b.csv", "plain"].map(begins), ['f', '{', '{', '{']);
+}
+
+/// A free mass: its static response does not exist.
+fn free_mass(frequencies: &Value) -> String {
+    json!({
+        "model": { "dofs": ["w"], "mass": [[1.0]], "damping": [[1.0]], "stiffness": [[0.0]] },
+        "excitation": [{ "dof": "w", "amplitude": 1.0, "harmonic": 0 }, { "dof": "w", "amplitude": 1.0 }],
+        "frequencies": frequencies
+    })
+    .to_string()
+}
+
+#[test]
+fn a_point_without_solution_is_marked_and_has_no_numbers() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("free.json"), free_mass(&json!([0, 10]))).unwrap();
+    let output = run(folder.path(), &["sweep", "free.json"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let value = result(&output);
+    let point = &value["points"][0];
+    assert_eq!(point["status"], "failed");
+    assert!(point["reason"].as_str().unwrap().contains("singular"), "{point}");
+    assert!(point["residual_history"].is_array());
+    assert!(point.get("displacement").is_none() && point.get("contacts").is_none(), "{point}");
+    assert!(stderr(&output).contains("note: no solution was found at"), "{}", stderr(&output));
+    let output = run(folder.path(), &["sweep", "free.json", "--format", "csv"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stdout(&output).contains("\n0,failed,,,,\n"), "{}", stdout(&output));
+}
+
+#[test]
+fn output_that_cannot_be_written_is_known_before_the_work() {
+    let folder = example("cubic");
+    for file in ["missing/out.json", "."] {
+        let output = run(folder.path(), &["sweep", "cubic.json", "-o", file, "--format", "json"]);
+        assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+        assert!(stderr(&output).starts_with("error: cannot write "), "{}", stderr(&output));
+    }
+    let output = run(folder.path(), &["sweep", "cubic.json", "--at", "40", "--waveform", "missing/w.csv"]);
+    assert_eq!((output.status.code(), stdout(&output)), (Some(3), ""));
+    let files: Vec<_> = fs::read_dir(folder.path()).unwrap().collect();
+    assert_eq!(files.len(), 1);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_reported() {
+    let folder = example("cubic");
+    let output = run(folder.path(), &["sweep", "cubic.json", "-o", "/dev/full", "--format", "json"]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert!(stderr(&output).contains("cannot write /dev/full"), "{}", stderr(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_result_stays_a_link_and_permissions_stay() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = example("cubic");
+    let file = folder.path().join("real.csv");
+    fs::write(&file, "old").unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+    std::os::unix::fs::symlink("real.csv", folder.path().join("link.csv")).unwrap();
+    let output = run(folder.path(), &["sweep", "cubic.json", "--frequencies", "40:41:2", "-o", "link.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(fs::symlink_metadata(folder.path().join("link.csv")).unwrap().is_symlink());
+    assert!(fs::read_to_string(&file).unwrap().starts_with("frequency,"));
+    assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let folder = example("elastic-coulomb");
+    for arguments in [&["sweep", "elastic-coulomb.json"][..], &["schema"], &["completions", "bash"], &["man"]]
+    {
+        let mut child = stickslip(folder.path())
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""), "{arguments:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_keeps_the_finished_points() {
+    let folder = example("elastic-coulomb");
+    let arguments = [
+        "sweep",
+        "elastic-coulomb.json",
+        "--frequencies",
+        "40:120:1000000",
+        "--threads",
+        "1",
+        "-o",
+        "out.json",
+    ];
+    let child = stickslip(folder.path()).args(arguments).stderr(Stdio::piped()).spawn().unwrap();
+    // The file beside the output appears when the work begins.
+    let begun = || fs::read_dir(folder.path()).unwrap().count() > 1;
+    for _ in 0..1000 {
+        if begun() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stderr(&output).contains("finished points are kept"), "{}", stderr(&output));
+    let text = fs::read_to_string(folder.path().join("out.json")).unwrap();
+    let value: Value = serde_json::from_str(&text).unwrap();
+    let points = value["points"].as_array().unwrap();
+    assert!(!points.is_empty() && points.len() < 1_000_000, "{}", points.len());
+    assert_eq!(points[0]["frequency"], 40.0);
+}
+
+#[test]
+fn one_period_in_time() {
+    let folder = example("elastic-coulomb");
+    let arguments = ["sweep", "elastic-coulomb.json", "--at", "62", "--waveform", "motion.csv"];
+    let output = run(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(result(&output)["points"].as_array().unwrap().len(), 1);
+    let text = fs::read_to_string(folder.path().join("motion.csv")).unwrap();
+    let mut lines = text.lines();
+    let header = "time [s],w1 [m],w2 [m],root relative displacement [m],root force [N]";
+    assert_eq!(lines.next(), Some(header));
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    let step = rows[1][0];
+    assert!((step * rows.len() as f64 * 62.0 - 1.0).abs() < 1e-12);
+    let most = rows.iter().map(|row| row[4].abs()).fold(0.0, f64::max);
+    assert!((most - 14.96556).abs() < 1e-6, "{most}");
+    for row in rows {
+        assert!((row[1] - row[3]).abs() < 1e-9 * most);
+    }
+}
+
+#[test]
+fn all_solutions_are_listed_when_asked_for() {
+    let folder = example("cubic");
+    let base = ["sweep", "cubic.json", "--harmonics", "1", "--frequencies", "43:43.5:501"];
+    let plain = result(&run(folder.path(), &base));
+    let all = result(&run(folder.path(), &[&base[..], &["--all-solutions"]].concat()));
+    let several = |point: &&Value| point["solutions"].as_u64().unwrap() > 1;
+    assert!(plain["points"].as_array().unwrap().iter().all(|point| point.get("others").is_none()));
+    let points = all["points"].as_array().unwrap();
+    assert!(points.iter().filter(several).count() > 3);
+    for point in points {
+        let others = point["others"].as_array().unwrap();
+        assert_eq!(others.len() as u64 + 1, point["solutions"].as_u64().unwrap());
+        let amplitude = |point: &Value| point["contacts"]["spring"]["amplitude"].as_f64().unwrap();
+        assert!(others.iter().all(|other| amplitude(other) <= amplitude(point)));
+    }
+}
+
+#[cfg(feature = "plot")]
+#[test]
+fn a_picture_is_drawn() {
+    let folder = example("two-mass");
+    let output = run(folder.path(), &["sweep", "two-mass.json", "-o", "out.json", "--plot", "out.svg"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(fs::read_to_string(folder.path().join("out.svg")).unwrap().contains("<svg"));
+    let output = run(folder.path(), &["loop", "fit", "loops/reference.csv", "--plot", "loop.png"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(fs::read(folder.path().join("loop.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn explain_says_what_is_needed_and_why() {
+    let folder = example("two-mass");
+    let text = run(folder.path(), &["explain", "two-mass.json"]);
+    assert!(stdout(&text).starts_with("two-mass needs\n"), "{}", stdout(&text));
+    let steps = |arguments: &[&str]| -> Vec<(String, bool)> {
+        let output = run(folder.path(), arguments);
+        let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let step = |step: &Value| {
+            assert_eq!(keys(step), ["used", "what", "why"]);
+            (step["what"].as_str().unwrap().to_owned(), step["used"].as_bool().unwrap())
+        };
+        value["steps"].as_array().unwrap().iter().map(step).collect()
+    };
+    let used =
+        |steps: &[(String, bool)], what: &str| steps.iter().find(|(name, _)| name.contains(what)).unwrap().1;
+    let one = steps(&["explain", "two-mass.json", "--format", "json"]);
+    assert!(!used(&one, "FFT") && !used(&one, "Newton") && !used(&one, "even harmonics"));
+    let seven = steps(&["explain", "two-mass.json", "--format", "json", "--harmonics", "7"]);
+    assert!(used(&seven, "FFT") && used(&seven, "Newton") && used(&seven, "ladder"));
+    assert!(!used(&seven, "continuation"));
+}
+
+#[test]
+fn check_says_what_it_read() {
+    let folder = example("two-mass");
+    let output = run(folder.path(), &["check", "two-mass.json"]);
+    assert_eq!(stdout(&output), "two-mass.json: 2 dofs, 1 contact, 741 frequencies, N = 1\n");
+    assert_eq!(output.status.code(), Some(0));
+}
+
+#[test]
+fn a_loop_fit_has_the_form_that_was_promised() {
+    let folder = example("two-mass");
+    let output = run(folder.path(), &["loop", "fit", "loops/reference.csv"]);
+    let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let expected = [
+        "cycles",
+        "displacement_amplitude",
+        "dissipation",
+        "even_content",
+        "force_amplitude",
+        "harmonics",
+        "noise",
+        "notes",
+        "period",
+        "phase",
+    ];
+    assert_eq!(keys(&value), expected);
+    let number = |key: &str| value[key].as_f64().unwrap();
+    assert!((number("displacement_amplitude") / 8e-6 - 1.0).abs() < 1e-6);
+    let first = value["harmonics"][0].as_array().unwrap();
+    let (re, im) = (first[1].as_f64().unwrap(), first[2].as_f64().unwrap());
+    assert_eq!(first[0], 1);
+    assert!((re.hypot(im) / number("force_amplitude") - 1.0).abs() < 1e-12);
+    assert!((im.atan2(re) - number("phase")).abs() < 1e-12);
+    let work = std::f64::consts::PI * number("displacement_amplitude") * im;
+    assert!((number("dissipation") / work - 1.0).abs() < 1e-12);
+
+    let text = run(folder.path(), &["loop", "fit", "loops/reference.csv", "--format", "text"]);
+    assert!(stdout(&text).starts_with("displacement amplitude  8.0"), "{}", stdout(&text));
+}
+
+#[test]
+fn init_overwrites_nothing_unless_told_to() {
+    let folder = example("two-mass");
+    let scene = folder.path().join("two-mass.json");
+    let original = fs::read_to_string(&scene).unwrap();
+    // The same files again are no conflict.
+    assert_eq!(run(folder.path(), &["init"]).status.code(), Some(0));
+    fs::write(&scene, "mine").unwrap();
+    fs::remove_file(folder.path().join("loops/reference.csv")).unwrap();
+    let output = run(folder.path(), &["init"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stderr(&output).contains("--force"), "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(&scene).unwrap(), "mine");
+    assert!(!folder.path().join("loops/reference.csv").exists());
+    assert_eq!(run(folder.path(), &["init", "--force"]).status.code(), Some(0));
+    assert_eq!(fs::read_to_string(&scene).unwrap(), original);
+    assert!(folder.path().join("loops/reference.csv").exists());
+}
+
+#[test]
+fn schema_completions_manual_and_help() {
+    let folder = TempDir::new().unwrap();
+    let text = |arguments: &[&str]| {
+        let output = run(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?} {}", stderr(&output));
+        stdout(&output).to_owned()
+    };
+    let schema: Value = serde_json::from_str(&text(&["schema"])).unwrap();
+    assert_eq!(schema["title"], "stickslip scene");
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        assert!(text(&["completions", shell]).contains("sweep"), "{shell}");
+    }
+    assert!(text(&["man"]).contains("stickslip"));
+    assert!(text(&["man", "sweep"]).contains("waveform"));
+    assert!(text(&["--help"]).contains("Exit codes:"));
+    assert!(text(&["sweep", "--help"]).contains("Examples:"));
+    assert!(text(&["--version"]).starts_with("stickslip "));
+    // Without a command help is shown, and it is an error.
+    assert_eq!(run(folder.path(), &[]).status.code(), Some(2));
+}

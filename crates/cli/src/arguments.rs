@@ -237,9 +237,9 @@ pub enum TextFormat {
 pub enum Template {
     /// Blade and root with a measured loop, one harmonic
     TwoMass,
-    /// The same structure with elastic Coulomb friction
+    /// The same structure with elastic Coulomb friction, 31 harmonics
     ElasticCoulomb,
-    /// The same structure with a cubic spring
+    /// Two masses with a hardening spring and a bent resonance
     Cubic,
 }
 

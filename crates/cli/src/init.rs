@@ -12,19 +12,18 @@ use crate::output::{Output, unwritable};
 /// A file of an example: its name and its text.
 type File = (&'static str, &'static str);
 
-const SCHEMA: File = ("scene.schema.json", scene::SCHEMA);
 const REFERENCE_LOOP: File = ("loops/reference.csv", include_str!("../../../scenes/loops/reference.csv"));
 
 /// The scene comes first.
 fn files(template: Template) -> Vec<File> {
     match template {
         Template::TwoMass => {
-            vec![("two-mass.json", include_str!("../../../scenes/two-mass.json")), REFERENCE_LOOP, SCHEMA]
+            vec![("two-mass.json", include_str!("../../../scenes/two-mass.json")), REFERENCE_LOOP]
         }
         Template::ElasticCoulomb => {
-            vec![("elastic-coulomb.json", include_str!("../../../scenes/elastic-coulomb.json")), SCHEMA]
+            vec![("elastic-coulomb.json", include_str!("../../../scenes/elastic-coulomb.json"))]
         }
-        Template::Cubic => vec![("cubic.json", include_str!("../../../scenes/cubic.json")), SCHEMA],
+        Template::Cubic => vec![("cubic.json", include_str!("../../../scenes/cubic.json"))],
     }
 }
 

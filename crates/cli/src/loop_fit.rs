@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal};
 
-use hysteresis::{Fit, FitSettings, ForceSign, ReadOptions, Record};
+use hysteresis::{Fit, FitError, FitSettings, ForceSign, ReadOptions, Record};
 use scene::Spectrum;
 use serde::Serialize;
 
@@ -38,8 +38,15 @@ pub fn run(arguments: &FitArguments) -> Result<Ending, Failure> {
         force_sign: if arguments.flip_force { ForceSign::Reaction } else { ForceSign::Rig },
     };
     let record = Record::read(&arguments.file, &options).map_err(Failure::input)?;
-    let fit = hysteresis::fit(&record, &FitSettings::default())
-        .map_err(|error| Failure::input(format!("{}: {error}", arguments.file.display())))?;
+    let fit = hysteresis::fit(&record, &FitSettings::default()).map_err(|error| {
+        let file = arguments.file.display();
+        match error {
+            FitError::AgainstMotion { .. } if arguments.flip_force => Failure::input(format!(
+                "{file}: with --flip-force the force drives the motion; leave --flip-force out"
+            )),
+            error => Failure::input(format!("{file}: {error}")),
+        }
+    })?;
     let usual = if io::stdout().is_terminal() { TextFormat::Text } else { TextFormat::Json };
     match arguments.format.unwrap_or(usual) {
         TextFormat::Text => output::print(&text(&fit))?,
@@ -71,20 +78,23 @@ fn answer(fit: &Fit) -> Answer {
 fn text(fit: &Fit) -> String {
     let series = &fit.hysteresis_loop;
     let mut lines = vec![
-        ("displacement amplitude", format!("{:.4e} m (half peak-to-peak)", series.displacement_amplitude())),
-        ("force amplitude |F_1|", format!("{:.4e} N", series.force_amplitude())),
+        (
+            "displacement amplitude",
+            format!("{} m (half peak-to-peak)", digits(series.displacement_amplitude())),
+        ),
+        ("force amplitude |F_1|", format!("{} N", digits(series.force_amplitude()))),
         ("phase of F_1", format!("{:.4} rad = {:.4} π", series.phase(), series.phase() / PI)),
-        ("dissipation", format!("{:.4e} J a cycle", series.dissipation())),
+        ("dissipation", format!("{} J a cycle", digits(series.dissipation()))),
         ("steady cycles", fit.cycles.to_string()),
     ];
     if let Some(period) = fit.period {
-        lines.push(("period", format!("{period:.6} s ({:.4} Hz)", 1.0 / period)));
+        lines.push(("period", format!("{} s ({} Hz)", digits(period), digits(1.0 / period))));
     }
-    let kept: Vec<String> = fit.kept_harmonics().map(|k| k.to_string()).collect();
+    let kept: Vec<usize> = fit.kept_harmonics().collect();
     lines.extend([
         ("noise", format!("{:.2} % of |F_1|", 100.0 * fit.noise)),
         ("even content", format!("{:.2} % of |F_1|", 100.0 * fit.even_content)),
-        ("harmonics above noise", format!("{}: {}", kept.len(), kept.join(", "))),
+        ("harmonics above noise", format!("{}: {}", kept.len(), runs(&kept))),
     ]);
     let mut text = String::new();
     for (name, value) in lines {
@@ -95,4 +105,45 @@ fn text(fit: &Fit) -> String {
         let _ = writeln!(text, "note: {note}");
     }
     text
+}
+
+/// "1, 3–31": neighbours are drawn together.
+fn runs(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b).filter_map(|run| Some((run.first()?, run.last()?)));
+    let written = runs.map(|(first, last)| match last - first {
+        0 => first.to_string(),
+        1 => format!("{first}, {last}"),
+        _ => format!("{first}–{last}"),
+    });
+    written.collect::<Vec<_>>().join(", ")
+}
+
+/// Five digits, with a power of ten only where it is needed.
+fn digits(value: f64) -> String {
+    let magnitude = value.abs().log10().floor();
+    if !(-2.0..5.0).contains(&magnitude) {
+        return format!("{value:.4e}");
+    }
+    let decimals = (4.0 - magnitude).max(0.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{digits, runs};
+
+    #[test]
+    fn neighbours_are_drawn_together() {
+        assert_eq!(runs(&[1, 3, 4, 5, 8, 9]), "1, 3–5, 8, 9");
+        assert_eq!(runs(&[]), "");
+    }
+
+    #[test]
+    fn five_digits() {
+        assert_eq!(
+            ["12.000", "0.050000", "8.0000e-6", "1.2346e5"],
+            [12.0, 0.05, 8e-6, 123_456.0].map(digits)
+        );
+        assert_eq!(digits(0.0), "0.0000e0");
+    }
 }

@@ -101,7 +101,8 @@ fn worst(points: &[Point]) -> Vec<String> {
         lines.push(format!("and {} more; -o FILE.json has the reason of each", failed.len() - WORST));
     }
     let solved = || points.iter().filter(|point| point.reason.is_none());
-    if let Some(point) = solved().max_by(|a, b| a.residual.total_cmp(&b.residual)) {
+    let largest = solved().max_by(|a, b| a.residual.total_cmp(&b.residual));
+    if let Some(point) = largest.filter(|point| point.residual > 0.0) {
         lines.push(format!("worst residual: {:.1e} at {} Hz", point.residual, point.frequency));
     }
     if let Some(point) = solved().max_by_key(|point| point.iterations).filter(|point| point.iterations > 1) {
@@ -116,5 +117,49 @@ fn duration(seconds: f64) -> String {
         s if s < 1e-3 => format!("{:.0} µs", 1e6 * s),
         s if s < 1.0 => format!("{:.1} ms", 1e3 * s),
         s => format!("{s:.2} s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use scene::{RunOptions, Scene};
+
+    use super::{duration, text};
+
+    fn table(stiffness: f64, frequencies: &str) -> String {
+        let scene = format!(
+            r#"{{"name": "one", "model": {{"dofs": ["w"], "mass": [[1]], "damping": [[1]], "stiffness": [[{stiffness}]]}},
+                 "excitation": [{{"dof": "w", "amplitude": 1}}, {{"dof": "w", "amplitude": 1, "harmonic": 0}}],
+                 "contacts": [{{"name": "c", "between": ["w", "ground"], "law": {{"type": "linear", "stiffness": 0}}}}],
+                 "frequencies": {frequencies}}}"#
+        );
+        let scene = Scene::from_str(&scene, Path::new(".")).unwrap();
+        let prepared = scene.prepare().unwrap();
+        let solved = prepared.solve(&RunOptions::default());
+        text(&solved.responses(), &solved.outcome(), false)
+    }
+
+    #[test]
+    fn it_names_peaks_statuses_and_time() {
+        let text = table(39.4784, r#"{"from": 0.5, "to": 1.5, "step": 0.1}"#);
+        assert!(text.starts_with("one: 11 points from 0.5 to 1.5 Hz, N = 1\n"), "{text}");
+        let row = text.lines().find(|line| line.starts_with(" w")).unwrap();
+        assert!(row.contains(" 1.0000 ") && row.contains("0.0 %"), "{text}");
+        assert!(text.contains("\npoints: 11 converged\n"), "{text}");
+        assert!(text.lines().last().unwrap().starts_with("time: "), "{text}");
+    }
+
+    #[test]
+    fn it_says_why_points_failed() {
+        let text = table(0.0, "[0]");
+        assert!(text.starts_with("one: 0 Hz, N = 1\n"), "{text}");
+        assert!(text.contains("points: 1 failed\nfailed at 0 Hz: "), "{text}");
+    }
+
+    #[test]
+    fn durations_are_readable() {
+        assert_eq!([3e-6, 0.25, 12.0].map(duration), ["3 µs", "250.0 ms", "12.00 s"]);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::io::{self, IsTerminal};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use scene::{Frequencies, Outcome, Prepared, RunOptions, Solved};
 
@@ -24,6 +25,7 @@ enum Wanted {
 pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     let format = format(arguments)?;
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
+    distinct(arguments)?;
     let mut scene = arguments.scene.read()?;
     if let Some(frequency) = arguments.at {
         let one = Frequencies::one(frequency).map_err(|error| Failure::input(format!("--at: {error}")))?;
@@ -37,6 +39,7 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     }
     let prepared = scene.prepare().map_err(|error| arguments.scene.unsolvable(error))?;
 
+    let interrupted = interrupt();
     // Outputs are opened before the work: what cannot be written is known at once.
     let result = match format {
         Some(format) => Wanted::Full(Output::open(arguments.output.as_deref())?, format),
@@ -44,7 +47,7 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     };
     let period = arguments.waveform.as_deref().map(|path| Output::open(Some(path))).transpose()?;
 
-    let solved = solve(&prepared, arguments);
+    let solved = solve(&prepared, arguments, interrupted);
     let outcome = solved.outcome();
     write(result, &solved, &outcome)?;
     if let Some(output) = period {
@@ -59,12 +62,12 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     Ok(ending(&solved))
 }
 
-fn solve<'p>(prepared: &'p Prepared, arguments: &SweepArguments) -> Solved<'p> {
+fn solve<'p>(prepared: &'p Prepared, arguments: &SweepArguments, interrupted: &AtomicBool) -> Solved<'p> {
     let progress = Progress::new(prepared.points());
     let finished = |points| progress.finished(points);
     let options = RunOptions {
         threads: arguments.threads.map(usize::from),
-        cancel: Some(interrupt()),
+        cancel: Some(interrupted),
         progress: Some(&finished),
     };
     let solved = prepared.solve(&options);
@@ -94,6 +97,23 @@ fn ending(solved: &Solved) -> Ending {
         (false, true) => Ending::SomeFailed,
         (false, false) => Ending::Done,
     }
+}
+
+/// No output may replace the scene or another output.
+fn distinct(arguments: &SweepArguments) -> Result<(), Failure> {
+    let outputs = [&arguments.output, &arguments.waveform, &arguments.plot].into_iter().flatten();
+    let mut taken = vec![&arguments.scene.scene];
+    let same =
+        |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
+    for output in outputs {
+        if !same(output, Path::new("/dev/null")) && taken.iter().any(|path| same(path, output)) {
+            let problem =
+                format!("{} is named twice; every output needs a file of its own", output.display());
+            return Err(Failure::input(problem));
+        }
+        taken.push(output);
+    }
+    Ok(())
 }
 
 /// The form of the full result; `None` is the table for a terminal.

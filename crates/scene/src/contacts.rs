@@ -15,8 +15,6 @@ pub(crate) const KEYS: [&str; 5] = ["name", "between", "pairs", "law", "scale"];
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Contacts {
     pub(crate) contacts: Vec<Contact>,
-    /// Path of the entry that each contact comes from.
-    pub(crate) places: Vec<String>,
     /// What a user should know about the loops.
     pub(crate) notes: Vec<String>,
 }
@@ -63,7 +61,6 @@ fn read_one(node: &Node, dofs: &Dofs, base: &Path, all: &mut Contacts) -> Result
             return Err(name_node.error(format!("there is a contact {name:?} already; names must differ")));
         }
         all.contacts.push(Contact { name, first, second, law: law.law.clone(), scale });
-        all.places.push(node.path().to_owned());
     }
     Ok(())
 }

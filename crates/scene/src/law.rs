@@ -105,7 +105,7 @@ fn scaled_loop(law: &Object, base: &Path) -> Result<ReadLaw, SceneError> {
         MeasuredLoop::Series { hysteresis_loop, noise, mut notes } => {
             let scaled =
                 ScaledLoop::new(&hysteresis_loop, noise, magnitude, phase, symmetry).map_err(place)?;
-            notes.extend(loops::notes(&hysteresis_loop, noise, &scaled));
+            notes.extend(loops::notes(&hysteresis_loop, &scaled));
             Ok(ReadLaw { law: Arc::new(scaled), notes })
         }
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use contact::{Law, ScaledLoop};
-use hysteresis::{Column, Columns, FitSettings, ForceSign, Loop, Note, ReadOptions, Record, Units};
+use hysteresis::{Column, Columns, FitError, FitSettings, ForceSign, Loop, Note, ReadOptions, Record, Units};
 use num_complex::Complex64;
 
 use crate::error::SceneError;
@@ -88,11 +88,24 @@ fn read_record(entry: &Object, file: &Node, base: &Path) -> Result<MeasuredLoop,
     }
     let path = base.join(file.text("the name of a record's file")?);
     let record = Record::read(&path, &options).map_err(|error| file.error(error.to_string()))?;
-    let fit = hysteresis::fit(&record, &FitSettings::default())
-        .map_err(|error| file.error(format!("{}: {error}", path.display())))?;
-    // What becomes of even harmonics is said below; which harmonics were kept is said by `loop fit`.
-    let telling = |note: &&Note| !matches!(note, Note::Asymmetric { .. } | Note::Harmonics { .. });
-    let notes = fit.notes.iter().filter(telling).map(ToString::to_string).collect();
+    let fit = hysteresis::fit(&record, &FitSettings::default()).map_err(|error| match error {
+        FitError::AgainstMotion { .. } if options.force_sign == ForceSign::Reaction => file.error(format!(
+            "{}: with \"force_sign\": -1 the force drives the motion; leave \"force_sign\" out",
+            path.display()
+        )),
+        error => file.error(format!("{}: {error}", path.display())),
+    })?;
+    // What becomes of even harmonics is said below; what is the usual course is said by `loop fit`.
+    let usual = |note: &Note| {
+        matches!(note, Note::Asymmetric { .. } | Note::Harmonics { .. } | Note::RunUpRunDown { .. })
+    };
+    let mut notes: Vec<String> =
+        fit.notes.iter().filter(|note| !usual(note)).map(ToString::to_string).collect();
+    let chatters = fit.notes.iter().any(|note| matches!(note, Note::Chatter { .. }));
+    if fit.noise > SCATTER && !chatters {
+        notes
+            .push(format!("the record scatters by {:.2} % of |F_1| about its mean cycle", 100.0 * fit.noise));
+    }
     Ok(MeasuredLoop::Series { hysteresis_loop: fit.hysteresis_loop, noise: fit.noise, notes })
 }
 
@@ -129,11 +142,8 @@ fn read_unit<U: std::str::FromStr<Err: std::fmt::Display>>(
 }
 
 /// What a user should know about a loop under the paper's law.
-pub(crate) fn notes(measured: &Loop, noise: f64, law: &ScaledLoop) -> Vec<String> {
+pub(crate) fn notes(measured: &Loop, law: &ScaledLoop) -> Vec<String> {
     let mut notes = Vec::new();
-    if noise > SCATTER {
-        notes.push(format!("the record scatters by {:.2} % of |F_1| about its mean cycle", 100.0 * noise));
-    }
     let even = measured.even_content();
     if even > 0.0 {
         let what = if law.nature().odd {

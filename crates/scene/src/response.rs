@@ -81,13 +81,21 @@ impl Responses {
     }
 }
 
+/// Amplitude relative to the highest of both curves below which a dof is at rest.
+const NEGLIGIBLE: f64 = 1e-9;
+
 impl Response {
     /// The resonances in the order of frequency. A peak with contacts belongs to the nearest one without that no
     /// nearer peak has taken; a curve without a peak shows its highest point.
     pub fn resonances(&self) -> Vec<Resonance> {
-        let (mut contact, mut linear) = (peaks(&self.contact), peaks(&self.linear));
+        let ends = [highest(&self.contact), highest(&self.linear)];
+        let floor = NEGLIGIBLE * ends.iter().flatten().map(|peak| peak.amplitude).fold(0.0, f64::max);
+        let counting = |curve| peaks(curve).into_iter().filter(|peak| peak.amplitude > floor).collect();
+        let (mut contact, mut linear): (Vec<Peak>, Vec<Peak>) =
+            (counting(&self.contact), counting(&self.linear));
         if contact.is_empty() && linear.is_empty() {
-            return vec![Resonance { contact: highest(&self.contact), linear: highest(&self.linear) }];
+            let [contact, linear] = ends;
+            return vec![Resonance { contact, linear }];
         }
         let mut resonances = Vec::new();
         while let Some((i, j)) = nearest(&contact, &linear) {
@@ -108,17 +116,26 @@ fn nearest(contact: &[Peak], linear: &[Peak]) -> Option<(usize, usize)> {
     pairs.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, pair)| pair)
 }
 
-/// Local maxima inside the range, in the order of the curve. Where a point is missing nothing is known.
+/// A maximum rises above both its neighbouring valleys by this part of itself, or it is rounding.
+const PROMINENCE: f64 = 1e-3;
+
+/// Local maxima inside the range that rise clearly, in the order of the curve. Where a point is missing nothing is
+/// known: no maximum lies beside it, and no valley beyond it.
 pub fn peaks(curve: &[(f64, Option<f64>)]) -> Vec<Peak> {
-    let top = |window: &[(f64, Option<f64>)]| {
-        let [(_, before), (frequency, here), (_, after)] = window else {
-            return None;
-        };
-        let amplitude = (*here)?;
-        (amplitude > (*before)? && amplitude >= (*after)?)
-            .then_some(Peak { frequency: *frequency, amplitude })
+    let amplitude = |i: usize| curve.get(i).and_then(|(_, amplitude)| *amplitude);
+    // How far the curve falls from `top` at `i` before it rises above it or ends.
+    let fall = |top: f64, way: &mut dyn Iterator<Item = usize>| {
+        let below = way.map_while(amplitude).take_while(|a| *a <= top);
+        top - below.fold(top, f64::min)
     };
-    curve.windows(3).filter_map(top).collect()
+    let peak = |i: usize| {
+        let top = amplitude(i)?;
+        let higher = top > amplitude(i.checked_sub(1)?)? && top >= amplitude(i + 1)?;
+        let prominence = fall(top, &mut (0..i).rev()).min(fall(top, &mut (i + 1..curve.len())));
+        let frequency = curve.get(i)?.0;
+        (higher && prominence > PROMINENCE * top).then_some(Peak { frequency, amplitude: top })
+    };
+    (0..curve.len()).filter_map(peak).collect()
 }
 
 /// The highest point of a curve, its ends included.
@@ -142,6 +159,7 @@ mod tests {
     fn peaks_lie_inside_and_beside_known_points() {
         let found = peaks(&curve(&[9.0, 1.0, 3.0, 2.0, 5.0, 5.0, 1.0, 8.0, f64::NAN]));
         assert_eq!(found.iter().map(|p| p.frequency).collect::<Vec<_>>(), [2.0, 4.0]);
+        assert_eq!(peaks(&curve(&[1.0, 1.0000001, 1.0, 1.0001, 1.0])), []);
         assert_eq!(highest(&curve(&[f64::NAN])), None);
         assert_eq!(highest(&curve(&[9.0, 1.0])).unwrap().frequency, 0.0);
     }
@@ -157,6 +175,8 @@ mod tests {
         assert_eq!(two.iter().map(|r| r.reduction().unwrap()).collect::<Vec<_>>(), [0.75, 0.5]);
         let one = response(&[0.0, 1.0, 1.5, 2.0, 0.0], &[0.0, 4.0, 0.0, 4.5, 0.0]).resonances();
         assert_eq!(one.iter().map(|r| r.contact.map(|p| p.frequency)).collect::<Vec<_>>(), [None, Some(3.0)]);
+        let rest = response(&[0.0, 1e-24, 0.0, 2e-24, 0.0], &[0.0, 4.0, 0.0, 4.5, 0.0]).resonances();
+        assert!(rest.iter().all(|r| r.contact.is_none()) && rest.len() == 2);
         let none = response(&[1.0, 2.0], &[2.0, 1.0]).resonances();
         assert_eq!(none[0].reduction(), Some(0.0));
     }

@@ -29,8 +29,6 @@ pub struct Scene {
     pub(crate) problem: Problem,
     pub(crate) settings: Settings,
     pub(crate) frequencies: Frequencies,
-    /// Path of the entry that each contact of `problem` comes from.
-    contact_places: Vec<String>,
     pub(crate) notes: Vec<String>,
     read_in: Duration,
 }
@@ -77,7 +75,6 @@ impl Scene {
             problem,
             settings,
             frequencies,
-            contact_places: contacts.places,
             notes: contacts.notes,
             read_in: began.elapsed(),
         })
@@ -154,18 +151,8 @@ impl Scene {
     pub fn prepare(&self) -> Result<Prepared<'_>, SceneError> {
         let began = Instant::now();
         let plan = Plan::new(&self.problem, &self.settings)
-            .map_err(|error| SceneError::entry(&self.place(&error.place), error.problem))?;
+            .map_err(|error| SceneError::entry(&error.place, error.problem))?;
         Ok(Prepared::new(self, plan, self.read_in + began.elapsed()))
-    }
-
-    /// The scene's path for one of the problem: contacts of `pairs` are one entry of the scene.
-    fn place(&self, place: &str) -> String {
-        let entry = || {
-            let (index, rest) = place.strip_prefix("contacts[")?.split_once(']')?;
-            let entry = self.contact_places.get(index.parse::<usize>().ok()?)?;
-            Some(format!("{entry}{rest}"))
-        };
-        entry().unwrap_or_else(|| place.to_owned())
     }
 }
 

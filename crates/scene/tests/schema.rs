@@ -1,4 +1,5 @@
 //! The schema against scenes: what the reader takes it takes, what it refuses for its form it refuses.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::Path;
 
