@@ -39,7 +39,7 @@ fn every_dof_axis_and_curve_is_named() {
         assert!(svg.contains(&format!(">{word}</text>")), "{word} is missing");
     }
     assert!(svg.contains(">10⁻⁵</text>"), "decades are powers of ten");
-    assert!(svg.contains(">beyond measured range</text>"));
+    assert!(svg.contains(">extrapolated</text>"));
 }
 
 #[test]
@@ -138,4 +138,9 @@ fn a_single_frequency_is_a_dot_on_labelled_axes() {
     assert_eq!(svg.matches("<circle").count(), 1);
     assert!(svg.contains(">10⁻⁶</text>") && svg.contains(">10⁻⁵</text>"));
     assert!(!svg.contains("without contact"), "a curve without points has no name");
+}
+
+#[test]
+fn harmonics_are_printed_below_the_line() {
+    assert_eq!(subscripted("|W_12|, peak_to_peak 3"), "|W₁₂|, peak_to_peak 3");
 }
