@@ -66,22 +66,23 @@ fn draw(response: &Response) -> Result<String> {
 
     let (columns, width, frame) = arrangement(response.panels.len());
     let count = response.panels.len();
-    let charts = response.panels.iter().enumerate().map(|(i, panel)| {
+    let charts = response.panels.iter().map(in_order).enumerate().map(|(i, panel)| {
         let lowest = i + columns >= count;
+        let rug = extrapolated_stretches(&panel);
         let amplitudes = panel.contact.iter().chain(&panel.linear).filter_map(|(_, a)| *a);
         let label = format!("{} (m)", subscripted(&response.quantity));
         let y = Axis::decades(label.clone(), amplitudes)
             .or_else(|| Axis::decades(label, [1e-6].into_iter()))
             .unwrap_or_else(|| x.clone());
         Chart {
-            heading: panel.title.clone(),
+            heading: panel.title,
             x: x.clone(),
             y,
             curves: vec![
-                Curve { name: "without contact", points: panel.linear.clone(), pen: pen::REFERENCE },
-                Curve { name: "with contact", points: panel.contact.clone(), pen: pen::MAIN },
+                Curve { name: "without contact", points: panel.linear, pen: pen::REFERENCE },
+                Curve { name: "with contact", points: panel.contact, pen: pen::MAIN },
             ],
-            rug: extrapolated_stretches(panel),
+            rug,
             rug_name: "extrapolated",
             label_x: lowest,
             label_y: i % columns == 0,
@@ -91,6 +92,17 @@ fn draw(response: &Response) -> Result<String> {
         }
     });
     Ok(sheet::svg(&response.title, columns, charts.collect()))
+}
+
+/// The panel with its points in the order of frequency; a scene may list them in any.
+fn in_order(panel: &Panel) -> Panel {
+    let marks = panel.extrapolated.iter().copied().chain(std::iter::repeat(false));
+    let mut contact: Vec<_> = panel.contact.iter().copied().zip(marks).collect();
+    contact.sort_by(|((a, _), _), ((b, _), _)| a.total_cmp(b));
+    let mut linear = panel.linear.clone();
+    linear.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let (contact, extrapolated) = contact.into_iter().unzip();
+    Panel { title: panel.title.clone(), contact, linear, extrapolated }
 }
 
 /// "W_12" as it is printed: W₁₂.
