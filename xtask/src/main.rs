@@ -4,6 +4,7 @@ mod ci;
 mod reference_loop;
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 
@@ -13,7 +14,17 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   reference-loop           writes scenes/loops/reference.csv
   reference-loop --check   fails unless that file is what the command writes";
 
-fn main() -> Result<()> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {

@@ -43,7 +43,7 @@ pub(crate) fn write(root: &Path) -> Result<()> {
     fs::write(&path, text()?).with_context(|| path.display().to_string())
 }
 
-/// Fails unless the file is what [`write`] writes.
+/// Fails unless the file is what [`write()`] writes.
 pub(crate) fn check(root: &Path) -> Result<()> {
     let path = file(root);
     let written = fs::read_to_string(&path).with_context(|| path.display().to_string())?;

@@ -31,7 +31,15 @@ pub(super) const MINOR_TICK: f64 = 2.5;
 pub(super) const LABEL_SIZE: u32 = 11;
 pub(super) const TICK_SIZE: u32 = 10;
 
-/// Width of `text` in px, a little generous: the average advance of DejaVu Sans is 0.59 em.
+/// Width of `text` in px by the advances of DejaVu Sans, rounded up in groups of letters.
 pub(super) fn text_width(text: &str, size: u32) -> f64 {
-    0.61 * f64::from(size) * text.chars().count() as f64
+    let advance = |letter: char| match letter {
+        'i' | 'j' | 'l' | ' ' | '.' | ',' | '|' | '\'' => 0.34,
+        'f' | 'r' | 't' | 'I' | '(' | ')' | '-' => 0.42,
+        'c' | 's' | 'z' => 0.55,
+        'm' | 'w' | 'M' | 'W' | '=' => 0.99,
+        lower if lower.is_lowercase() || lower.is_ascii_digit() => 0.64,
+        _ => 0.79,
+    };
+    f64::from(size) * text.chars().map(advance).sum::<f64>()
 }

@@ -28,7 +28,7 @@ pub struct Response {
     pub title: String,
     /// One a dof.
     pub panels: Vec<Panel>,
-    /// What the amplitudes are, for example "peak displacement".
+    /// What the amplitudes are, for example "peak displacement" or "|W_1|".
     pub quantity: String,
 }
 
@@ -66,23 +66,24 @@ fn draw(response: &Response) -> Result<String> {
 
     let (columns, width, frame) = arrangement(response.panels.len());
     let count = response.panels.len();
-    let charts = response.panels.iter().enumerate().map(|(i, panel)| {
+    let charts = response.panels.iter().map(in_order).enumerate().map(|(i, panel)| {
         let lowest = i + columns >= count;
+        let rug = extrapolated_stretches(&panel);
         let amplitudes = panel.contact.iter().chain(&panel.linear).filter_map(|(_, a)| *a);
-        let label = format!("{} (m)", response.quantity);
+        let label = format!("{} (m)", subscripted(&response.quantity));
         let y = Axis::decades(label.clone(), amplitudes)
             .or_else(|| Axis::decades(label, [1e-6].into_iter()))
             .unwrap_or_else(|| x.clone());
         Chart {
-            heading: panel.title.clone(),
+            heading: panel.title,
             x: x.clone(),
             y,
             curves: vec![
-                Curve { name: "without contact", points: panel.linear.clone(), pen: pen::REFERENCE },
-                Curve { name: "with contact", points: panel.contact.clone(), pen: pen::MAIN },
+                Curve { name: "without contact", points: panel.linear, pen: pen::REFERENCE },
+                Curve { name: "with contact", points: panel.contact, pen: pen::MAIN },
             ],
-            rug: extrapolated_stretches(panel),
-            rug_name: "beyond measured range",
+            rug,
+            rug_name: "extrapolated",
             label_x: lowest,
             label_y: i % columns == 0,
             legend: false,
@@ -91,6 +92,35 @@ fn draw(response: &Response) -> Result<String> {
         }
     });
     Ok(sheet::svg(&response.title, columns, charts.collect()))
+}
+
+/// The panel with its points in the order of frequency; a scene may list them in any.
+fn in_order(panel: &Panel) -> Panel {
+    let marks = panel.extrapolated.iter().copied().chain(std::iter::repeat(false));
+    let mut contact: Vec<_> = panel.contact.iter().copied().zip(marks).collect();
+    contact.sort_by(|((a, _), _), ((b, _), _)| a.total_cmp(b));
+    let mut linear = panel.linear.clone();
+    linear.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let (contact, extrapolated) = contact.into_iter().unzip();
+    Panel { title: panel.title.clone(), contact, linear, extrapolated }
+}
+
+/// "W_12" as it is printed: W₁₂.
+fn subscripted(text: &str) -> String {
+    let mut printed = String::new();
+    let mut below = false;
+    let mut letters = text.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let digit = letter.to_digit(10);
+        match digit.and_then(|digit| char::from_u32('₀' as u32 + digit)) {
+            Some(subscript) if below => printed.push(subscript),
+            _ => {
+                below = letter == '_' && letters.peek().is_some_and(char::is_ascii_digit);
+                printed.extend((!below).then_some(letter));
+            }
+        }
+    }
+    printed
 }
 
 fn drawable(amplitude: Option<f64>) -> bool {
