@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 use contact::{Motion, Workspace};
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_main};
 use hbm::{Plan, Problem, Settings, Solution, SweepOptions, sweep};
 use hysteresis::{FitSettings, ReadOptions, Record};
 use num_complex::Complex64;
@@ -94,5 +94,11 @@ fn threads(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, loop_fit, law_evaluation, points, threads);
-criterion_main!(benches);
+/// The groups above, as criterion's macro collects them.
+#[allow(missing_docs)]
+mod collected {
+    use super::{law_evaluation, loop_fit, points, threads};
+    criterion::criterion_group!(benches, loop_fit, law_evaluation, points, threads);
+}
+
+criterion_main!(collected::benches);
