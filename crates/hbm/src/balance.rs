@@ -14,18 +14,20 @@ use crate::point::Point;
 use crate::problem::Contact;
 use crate::transform::{Buffers, Transform};
 
-/// Factors on contact forces and excitation, both 1 but on a homotopy.
+/// How far the problem is changed on the way to itself.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Homotopy {
     /// μ: factor on all contact forces.
     pub(crate) contact: f64,
     /// η: factor on the excitation.
     pub(crate) excitation: f64,
+    /// Share of the contact forces that is replaced by secant stiffnesses (1: a linear problem).
+    pub(crate) secant: f64,
 }
 
 impl Homotopy {
     /// The problem itself.
-    pub(crate) const NONE: Self = Self { contact: 1.0, excitation: 1.0 };
+    pub(crate) const NONE: Self = Self { contact: 1.0, excitation: 1.0, secant: 0.0 };
 }
 
 /// What a balance needs that does not change with frequency.
@@ -117,7 +119,7 @@ impl Balance<'_> {
     ) -> Result<f64, LawError> {
         let width = point.width();
         for (row, &c) in point.active.iter().enumerate() {
-            self.contact_force(point, slots, row, c, unknowns, buffers)?;
+            self.contact_force(point, slots, homotopy, (row, c), unknowns, buffers)?;
         }
         let mut sum = 0.0;
         for entry in 0..slots * width {
@@ -138,8 +140,8 @@ impl Balance<'_> {
         &self,
         point: &Point,
         slots: usize,
-        row: usize,
-        index: usize,
+        homotopy: Homotopy,
+        (row, index): (usize, usize),
         unknowns: &[c64],
         buffers: &mut BalanceBuffers,
     ) -> Result<(), LawError> {
@@ -165,6 +167,14 @@ impl Balance<'_> {
         for (slot, &order) in self.orders.iter().enumerate().take(slots) {
             let one_sided = if order == 0 { 1.0 } else { 2.0 };
             buffers.forces[slot * width + row] = coefficients[order] * (one_sided * scale / point.force[row]);
+        }
+        if homotopy.secant > 0.0 {
+            for (slot, &order) in self.orders.iter().enumerate().take(slots) {
+                let entry = slot * width + row;
+                let linear = point.secant_stiffness(row, order) * unknowns[entry];
+                let own = buffers.forces[entry];
+                buffers.forces[entry] = own + (linear - own) * homotopy.secant;
+            }
         }
         Ok(())
     }
@@ -203,13 +213,17 @@ impl Balance<'_> {
         matrix.as_mut().submatrix_mut(0, 0, size, size).fill(0.0);
         for (column, &c) in point.active.iter().enumerate() {
             self.transform_tangent(slots, c, buffers);
-            let unit = homotopy.contact * self.contacts[c].scale * point.length[column] / point.force[column];
+            let unit = self.contacts[c].scale * point.length[column] / point.force[column];
             for p in 0..slots {
                 for j in 0..slots {
-                    let block = self.block(buffers, slots, p, j);
+                    let mut block = self.block(buffers, slots, p, j);
+                    if homotopy.secant > 0.0 {
+                        block = self.toward_secant(point, homotopy.secant, column, (p, j), unit, block);
+                    }
                     for row in 0..width {
                         let entry = (p * width + row) * width + column;
-                        let factor = point.receptance[entry] * (unit * point.weight[p * width + row]);
+                        let weight = homotopy.contact * unit * point.weight[p * width + row];
+                        let factor = point.receptance[entry] * weight;
                         let (r, r_complex) = self.real_index(width, p, row);
                         let (k, k_complex) = self.real_index(width, j, column);
                         // The change of r_p by Re δW_j, and by Im δW_j.
@@ -268,6 +282,22 @@ impl Balance<'_> {
                 });
             }
         }
+    }
+
+    /// `block` with a share of it replaced by the secant stiffness, in the units of `block` (`unit` makes them
+    /// dimensionless).
+    fn toward_secant(
+        &self,
+        point: &Point,
+        share: f64,
+        row: usize,
+        (p, j): (usize, usize),
+        unit: f64,
+        block: (c64, c64),
+    ) -> (c64, c64) {
+        let own = if p == j { point.secant_stiffness(row, self.orders[p]) / unit } else { c64::ZERO };
+        let turned = c64::new(-own.im, own.re);
+        (block.0 + (own - block.0) * share, block.1 + (turned - block.1) * share)
     }
 
     /// δF_p by a change of Re W_j and of Im W_j, in N/m.

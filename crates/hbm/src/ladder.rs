@@ -41,8 +41,12 @@ impl Plan {
     /// What is tried when the ladder failed, in turn, until one solves the balance with all harmonics.
     pub(crate) fn fall_back(&self, ws: &mut Workspace) -> Outcome {
         let mut best = Outcome::NONE;
-        let attempts: [fn(&Self, &mut Workspace) -> Outcome; 3] =
-            [Self::contact_homotopy, Self::excitation_homotopy, Self::perturbed_starts];
+        let attempts: [fn(&Self, &mut Workspace) -> Outcome; 4] = [
+            Self::secant_homotopy,
+            Self::contact_homotopy,
+            Self::excitation_homotopy,
+            Self::perturbed_starts,
+        ];
         for attempt in attempts {
             let outcome = attempt(self, ws);
             if outcome.converged {
@@ -138,13 +142,15 @@ impl Plan {
     /// Exact when all laws are linear.
     pub(crate) fn solve_linearised(&self, slots: usize, first: usize, ws: &mut Workspace) {
         let width = ws.point.width();
+        for column in 0..width {
+            let contact = &self.contacts[ws.point.active[column]];
+            let amplitude = ws.kept[first * width + column].norm();
+            let (length, force) = (ws.point.length[column], ws.point.force[column]);
+            ws.point.secant[column] = secant(&*contact.law, contact.scale, amplitude, length, force);
+        }
         for slot in 0..slots {
             for column in 0..width {
-                let c = ws.point.active[column];
-                let amplitude = ws.kept[first * width + column].norm();
-                let (length, force) = (ws.point.length[column], ws.point.force[column]);
-                let stiffness =
-                    secant(&*self.contacts[c].law, self.contacts[c].scale, amplitude, length, force);
+                let stiffness = ws.point.secant_stiffness(column, self.harmonics.reduced[slot]);
                 for row in 0..width {
                     let g = ws.point.receptance[(slot * width + row) * width + column];
                     let unit = if row == column { c64::ONE } else { c64::ZERO };
@@ -162,13 +168,23 @@ impl Plan {
         }
     }
 
+    /// From contacts replaced by secant stiffnesses at the amplitudes that result (a linear problem) to the problem.
+    fn secant_homotopy(&self, ws: &mut Workspace) -> Outcome {
+        ws.stats.secant_homotopies += 1;
+        self.secant_start(ws);
+        let count = self.rungs[0].slots * ws.point.width();
+        ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
+        self.solve_linearised(self.slots(), self.first_slot().unwrap_or(0), ws);
+        self.follow(0.0, 1.0, 0.1, |s| Homotopy { secant: 1.0 - s, ..Homotopy::NONE }, ws)
+    }
+
     /// From the structure without contacts (μ = 0) to the problem (μ = 1), with all harmonics.
     fn contact_homotopy(&self, ws: &mut Workspace) -> Outcome {
         ws.stats.contact_homotopies += 1;
         let count = self.slots() * ws.point.width();
         ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
         // Equal steps in √μ: contacts are felt early.
-        self.follow(0.0, 1.0, 0.1, |s| Homotopy { contact: s * s, excitation: 1.0 }, ws)
+        self.follow(0.0, 1.0, 0.1, |s| Homotopy { contact: s * s, ..Homotopy::NONE }, ws)
     }
 
     /// From an excitation so large that friction hardly matters down to the problem's own.
@@ -179,7 +195,7 @@ impl Plan {
             ws.unknowns[entry] = ws.point.free[entry] * LARGE_EXCITATION;
         }
         let decades = LARGE_EXCITATION.ln();
-        let excitation = move |s: f64| Homotopy { contact: 1.0, excitation: (decades * (1.0 - s)).exp() };
+        let excitation = move |s: f64| Homotopy { excitation: (decades * (1.0 - s)).exp(), ..Homotopy::NONE };
         self.follow(0.0, 1.0, 0.1, excitation, ws)
     }
 

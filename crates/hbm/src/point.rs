@@ -29,6 +29,8 @@ pub(crate) struct Point {
     pub(crate) length: Vec<f64>,
     /// Unit of force in N, one an active contact.
     pub(crate) force: Vec<f64>,
+    /// Dimensionless secant stiffness of every active contact, for homotopies that begin with a linear problem.
+    pub(crate) secant: Vec<c64>,
     held: Held,
 }
 
@@ -49,12 +51,19 @@ impl Point {
             weight: vec![1.0; slots * contacts],
             length: vec![1.0; contacts],
             force: vec![1.0; contacts],
+            secant: vec![c64::ZERO; contacts],
             held: Held {
                 contacts: Vec::with_capacity(contacts),
                 lu: Lu::new(contacts, contacts + 1),
                 rhs: Mat::zeros(contacts, contacts + 1),
             },
         }
+    }
+
+    /// Secant stiffness of active contact `row` at harmonic `order`; the mean sees its elastic part only.
+    pub(crate) fn secant_stiffness(&self, row: usize, order: usize) -> c64 {
+        let stiffness = self.secant[row];
+        if order == 0 { c64::from(stiffness.re) } else { stiffness }
     }
 
     /// Number of active contacts.

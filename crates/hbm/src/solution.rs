@@ -87,6 +87,8 @@ pub struct Stats {
     pub rungs: usize,
     /// Extra rungs after one failed.
     pub extra_rungs: usize,
+    /// Homotopies from contacts replaced by secant stiffnesses.
+    pub secant_homotopies: usize,
     /// Homotopies in the contact force.
     pub contact_homotopies: usize,
     /// Homotopies in the excitation.
