@@ -20,7 +20,7 @@ impl Plan {
         let candidates = ws.held.iter().filter(|held| **held).count();
         for _ in 0..candidates {
             ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
-            let Some(residual) = self.solve_around_held(ws) else { break };
+            let Some(residual) = self.solve_around_held(solution.frequency, ws) else { break };
             self.holding_forces(ws);
             let released = self.release_overloaded(ws);
             if released == 0 {
@@ -39,7 +39,7 @@ impl Plan {
     }
 
     /// The balance of the contacts that are not held; its relative residual.
-    fn solve_around_held(&self, ws: &mut Workspace) -> Option<f64> {
+    fn solve_around_held(&self, hertz: f64, ws: &mut Workspace) -> Option<f64> {
         ws.unknowns.fill(c64::ZERO);
         let last = self.rungs.len() - 1;
         ws.balance[last].forces.fill(c64::ZERO);
@@ -49,7 +49,7 @@ impl Plan {
         self.secant_start(ws);
         let mut outcome = self.climb(0, ws);
         if !outcome.converged {
-            outcome = self.fall_back(ws);
+            outcome = self.fall_back(hertz, ws);
         }
         outcome.converged.then_some(outcome.residual)
     }

@@ -39,7 +39,7 @@ impl Plan {
     }
 
     /// What is tried when the ladder failed, in turn, until one solves the balance with all harmonics.
-    pub(crate) fn fall_back(&self, ws: &mut Workspace) -> Outcome {
+    pub(crate) fn fall_back(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
         let mut best = Outcome::NONE;
         let attempts: [fn(&Self, &mut Workspace) -> Outcome; 4] = [
             Self::secant_homotopy,
@@ -56,7 +56,8 @@ impl Plan {
                 best = outcome;
             }
         }
-        best
+        let outcome = self.detour(hertz, ws);
+        if outcome.converged { outcome } else { best }
     }
 
     /// The ladder from rung `from` on: each rung's solution starts the next, new harmonics by one substitution. A rung

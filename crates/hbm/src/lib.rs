@@ -11,6 +11,7 @@
 
 mod balance;
 mod dense;
+mod detour;
 mod error;
 mod harmonics;
 mod holding;

@@ -51,6 +51,7 @@ impl Outcome {
 pub(crate) struct NewtonBuffers {
     lu: Lu<f64>,
     step: Mat<f64>,
+    correction: Mat<f64>,
     trial: Vec<c64>,
     /// Relative residuals of the last iteration.
     pub(crate) history: Vec<f64>,
@@ -63,6 +64,7 @@ impl NewtonBuffers {
         Self {
             lu: Lu::new(size, 1),
             step: Mat::zeros(size, 1),
+            correction: Mat::zeros(size, 1),
             trial: vec![c64::ZERO; entries],
             history: Vec::with_capacity(128),
         }
@@ -124,6 +126,7 @@ pub(crate) fn solve(
             apply_step(balance, point, *slots, unknowns, newton, lambda);
             match balance.evaluate(point, *slots, *homotopy, &newton.trial, buffers) {
                 Ok(trial) if trial <= (1.0 - 1e-4 * lambda) * norm => break Some(trial),
+                Ok(trial) if !done && closer(task, buffers, newton, length, lambda) => break Some(trial),
                 Ok(_) => {}
                 Err(error) => law_error = Some(error),
             }
@@ -174,13 +177,7 @@ fn newton_step(
     let Task { balance, point, slots, homotopy, criteria } = task;
     let width = point.width();
     let size = balance.size(width, *slots);
-    for entry in 0..slots * width {
-        let (r, is_complex) = balance.real_index(width, entry / width, entry % width);
-        newton.step[(r, 0)] = buffers.residual[entry].re;
-        if is_complex {
-            newton.step[(r + 1, 0)] = buffers.residual[entry].im;
-        }
-    }
+    load_residual(task, buffers, &mut newton.step);
     match criteria.jacobian {
         Jacobian::Analytic => balance.jacobian(point, *slots, *homotopy, buffers, &mut newton.lu.matrix),
         Jacobian::Difference => difference_jacobian(task, unknowns, buffers, newton),
@@ -188,6 +185,36 @@ fn newton_step(
     newton.lu.factor(size);
     newton.lu.solve(newton.step.as_mut().subrows_mut(0, size));
     (0..size).map(|r| newton.step[(r, 0)].powi(2)).sum::<f64>().sqrt()
+}
+
+/// The natural test of Deuflhard, invariant to how residuals are scaled: the Newton correction that the old derivative
+/// gives at the trial point is shorter than the step was.
+fn closer(
+    task: &Task,
+    buffers: &BalanceBuffers,
+    newton: &mut NewtonBuffers,
+    length: f64,
+    lambda: f64,
+) -> bool {
+    let Task { balance, point, slots, .. } = task;
+    let size = balance.size(point.width(), *slots);
+    load_residual(task, buffers, &mut newton.correction);
+    newton.lu.solve(newton.correction.as_mut().subrows_mut(0, size));
+    let correction = (0..size).map(|r| newton.correction[(r, 0)].powi(2)).sum::<f64>().sqrt();
+    correction <= (1.0 - 0.25 * lambda) * length
+}
+
+/// Writes the residual into a column of real unknowns.
+fn load_residual(task: &Task, buffers: &BalanceBuffers, column: &mut Mat<f64>) {
+    let Task { balance, point, slots, .. } = task;
+    let width = point.width();
+    for (entry, residual) in buffers.residual.iter().enumerate().take(slots * width) {
+        let (r, is_complex) = balance.real_index(width, entry / width, entry % width);
+        column[(r, 0)] = residual.re;
+        if is_complex {
+            column[(r + 1, 0)] = residual.im;
+        }
+    }
 }
 
 /// `trial = unknowns − λ · step`.

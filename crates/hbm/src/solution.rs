@@ -95,6 +95,8 @@ pub struct Stats {
     pub excitation_homotopies: usize,
     /// Perturbed starts.
     pub perturbed_starts: usize,
+    /// Detours over other frequencies.
+    pub detours: usize,
 }
 
 /// The answer at one frequency.

@@ -192,7 +192,7 @@ impl Plan {
         };
         if !outcome.converged {
             let law_error = outcome.law_error;
-            outcome = self.fall_back(ws);
+            outcome = self.fall_back(solution.frequency, ws);
             outcome.law_error = outcome.law_error.or(law_error);
         }
         if outcome.converged {

@@ -1,0 +1,96 @@
+//! The last resort at a frequency: solve a nearby one and come back in small steps. The detours are the same for every
+//! sweep, so a point still does not depend on its neighbours.
+
+use faer::c64;
+
+use crate::balance::Homotopy;
+use crate::newton::Outcome;
+use crate::plan::{Plan, Workspace};
+
+/// Frequencies tried, relative to the one asked for.
+const DETOURS: [f64; 8] = [1.05, 0.95, 1.12, 0.89, 1.3, 0.77, 1.6, 0.62];
+
+/// Steps of one way back, failed ones included.
+const STEPS: usize = 60;
+
+/// The shortest step of a way back, as a fraction of it.
+const SHORTEST: f64 = 1e-3;
+
+impl Plan {
+    /// Solves at frequencies around `hertz` until one leads back to it. Leaves the workspace at `hertz`.
+    pub(crate) fn detour(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
+        let mut outcome = Outcome::NONE;
+        if hertz > 0.0 {
+            for factor in DETOURS {
+                ws.stats.detours += 1;
+                outcome = self.way_back(hertz, factor, ws);
+                if outcome.converged {
+                    return outcome;
+                }
+            }
+        }
+        self.move_to(hertz, ws);
+        outcome
+    }
+
+    /// Condenses at `hertz`, keeping the motion in the unknowns; whether the structure allows it.
+    fn move_to(&self, hertz: f64, ws: &mut Workspace) -> bool {
+        let count = self.slots() * ws.point.width();
+        let width = ws.point.width().max(1);
+        for (entry, unknown) in ws.unknowns.iter_mut().enumerate().take(count) {
+            *unknown *= ws.point.length[entry % width];
+        }
+        let regular = self.structure.condense(hertz, &mut ws.condensed).is_ok();
+        ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
+        for (entry, unknown) in ws.unknowns.iter_mut().enumerate().take(count) {
+            *unknown /= ws.point.length[entry % width];
+        }
+        regular
+    }
+
+    /// From a solution at `hertz · factor` to `hertz` in steps that adapt to success.
+    fn way_back(&self, hertz: f64, factor: f64, ws: &mut Workspace) -> Outcome {
+        let (last, slots) = (self.rungs.len() - 1, self.slots());
+        let count = slots * ws.point.width();
+        if !self.move_to(hertz * factor, ws) {
+            return Outcome::NONE;
+        }
+        ws.unknowns[..count].fill(c64::ZERO);
+        self.secant_start(ws);
+        let mut outcome = self.climb(0, ws);
+        if !outcome.converged {
+            return outcome;
+        }
+        let mut lengths: Vec<f64> = ws.point.length.clone();
+        ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
+        let (mut left, mut step) = (1.0_f64, 0.25_f64);
+        for _ in 0..STEPS {
+            let next = (left - step).max(0.0);
+            if !self.move_to(hertz * factor.powf(next), ws) {
+                return Outcome::NONE;
+            }
+            outcome = self.iterate(last, slots, Homotopy::NONE, ws);
+            if outcome.converged {
+                if next == 0.0 {
+                    return outcome;
+                }
+                left = next;
+                step *= 1.5;
+                lengths.clone_from(&ws.point.length);
+                ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
+            } else {
+                step *= 0.3;
+                if step < SHORTEST {
+                    break;
+                }
+                // Back to the last solution, in the units of where it will be used from.
+                let width = ws.point.width().max(1);
+                for entry in 0..count {
+                    ws.unknowns[entry] =
+                        ws.kept[entry] * (lengths[entry % width] / ws.point.length[entry % width]);
+                }
+            }
+        }
+        Outcome { converged: false, ..outcome }
+    }
+}
