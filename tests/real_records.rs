@@ -19,7 +19,10 @@ fn record(tension: &str) -> Option<PathBuf> {
     };
     let path = folder.join(format!("arts-2_0.5Hz30lb-tension{tension}.csv"));
     if !path.exists() {
-        eprintln!("skipped: {} is not there; set STICKSLIP_LOOPS to the folder of the records", path.display());
+        eprintln!(
+            "skipped: {} is not there; set STICKSLIP_LOOPS to the folder of the records",
+            path.display()
+        );
         return None;
     }
     Some(path)
@@ -56,7 +59,12 @@ fn the_response_with_a_real_damper() {
             let plan = Plan::new(&problem, &Settings::new(harmonics)).unwrap();
             let points = sweep(&plan, &frequencies, &SweepOptions::default()).solutions;
             for point in &points {
-                assert_eq!(point.status, Status::Converged, "{tension} in, N = {harmonics}, {} Hz", point.frequency);
+                assert_eq!(
+                    point.status,
+                    Status::Converged,
+                    "{tension} in, N = {harmonics}, {} Hz",
+                    point.frequency
+                );
                 assert!(point.residual < 1e-9);
                 // Energy in equals energy out in every harmonic together: the contact never feeds the motion.
                 assert!(point.contacts[0].dissipation > 0.0);

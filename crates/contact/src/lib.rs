@@ -44,7 +44,7 @@ pub use elastic_coulomb::{ElasticCoulomb, ElasticCoulombParameters};
 pub use error::{LawError, ParameterError};
 pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 pub use linear::{Linear, LinearParameters};
-pub use scaled_loop::{EVEN_CONTENT_LIMIT, ScaledLoop, Symmetry};
+pub use scaled_loop::{ScaledLoop, Symmetry};
 pub use scaling::{MagnitudeLaw, PhaseLaw};
 pub use tangent::{Recall, Recalled, Tangent};
 pub use turning_points::{TurningPoint, TurningPoints};

@@ -17,7 +17,7 @@
 
 use std::f64::consts::PI;
 
-use hysteresis::Loop;
+use hysteresis::{EVEN_CONTENT_LIMIT, Loop};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -38,9 +38,6 @@ pub enum Symmetry {
     /// Everything.
     Full,
 }
-
-/// Even content up to which [`Symmetry::Auto`] takes the odd part, relative to |F_1|.
-pub const EVEN_CONTENT_LIMIT: f64 = 0.02;
 
 /// A measured loop scaled to the current amplitude.
 #[derive(Debug, Clone, PartialEq)]

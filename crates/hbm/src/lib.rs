@@ -39,4 +39,4 @@ pub use plan::{Plan, PlanFacts, Workspace};
 pub use problem::{Contact, Excitation, ExcitationKind, Problem};
 pub use settings::{Jacobian, Settings, Start};
 pub use solution::{ContactSolution, FailureReason, Solution, Stats, Status, Waveform, WaveformContact};
-pub use sweep::{Sweep, SweepOptions, sweep};
+pub use sweep::{POINTS_A_TASK, Sweep, SweepOptions, sweep};

@@ -45,10 +45,15 @@ impl fmt::Display for FailureReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotConverged => write!(f, "the iteration did not converge from any start"),
+            Self::SingularStructure { harmonic: 0 } => write!(
+                f,
+                "the stiffness is singular, so the mean displacement is undetermined (free rigid-body motion); add a \
+                 support"
+            ),
             Self::SingularStructure { harmonic } => write!(
                 f,
-                "the dynamic stiffness is singular at harmonic {harmonic} (undamped resonance or free rigid-body \
-                 motion); add damping or support, or move the frequency"
+                "the dynamic stiffness is singular at harmonic {harmonic} (undamped resonance); add damping, or move \
+                 the frequency"
             ),
             Self::Law(error) => error.fmt(f),
             Self::HoldingLimit => write!(

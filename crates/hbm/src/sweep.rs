@@ -30,9 +30,9 @@ pub struct Sweep {
     pub threads: usize,
 }
 
-/// Points that one task of a parallel sweep solves: enough that handing it out costs nothing, few enough that threads
-/// stay busy to the end.
-const POINTS_A_TASK: usize = 16;
+/// Points that one task of a parallel sweep solves at least: enough that handing it out costs nothing, few enough that
+/// threads stay busy to the end. Shorter sweeps use one thread.
+pub const POINTS_A_TASK: usize = 16;
 
 /// Solves `plan` at every frequency in Hz. The result does not depend on the number of threads, bit for bit.
 pub fn sweep(plan: &Plan, frequencies: &[f64], options: &SweepOptions) -> Sweep {

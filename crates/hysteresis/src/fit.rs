@@ -119,7 +119,7 @@ impl Fit {
     /// [`Loop::odd_part`] loses nothing that was measured.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {
-        self.even_content <= self.noise.max(SYMMETRIC)
+        self.even_content <= self.noise.max(EVEN_CONTENT_LIMIT)
     }
 
     /// The harmonics that were kept, in order.
@@ -130,7 +130,7 @@ impl Fit {
 }
 
 /// Even content up to which a loop counts as symmetric.
-const SYMMETRIC: f64 = 0.02;
+pub const EVEN_CONTENT_LIMIT: f64 = 0.02;
 
 /// Fits the Fourier series over loop phase to a record (Hoffmann et al. 2017, section 3).
 ///
@@ -229,7 +229,7 @@ pub fn fit(record: &Record, settings: &FitSettings) -> Result<Fit, FitError> {
     if force_drifted > 0.02 {
         notes.push(Note::ForceDrift { relative: force_drifted });
     }
-    if even_content > relative_noise.max(SYMMETRIC) {
+    if even_content > relative_noise.max(EVEN_CONTENT_LIMIT) {
         notes.push(Note::Asymmetric { even_content });
     }
     notes.extend(backlash(&mean_cycle));

@@ -58,7 +58,7 @@ mod turning_points;
 mod units;
 
 pub use error::{FitError, LoopError};
-pub use fit::{Fit, FitSettings, MeanCycle, fit};
+pub use fit::{EVEN_CONTENT_LIMIT, Fit, FitSettings, MeanCycle, fit};
 pub use hysteresis_loop::Loop;
 pub use notes::Note;
 pub use options::{Column, Columns, ForceSign, ReadOptions, Units};

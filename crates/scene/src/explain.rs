@@ -1,6 +1,6 @@
 //! What a scene needs and what it leaves out, and why.
 
-use hbm::{Jacobian, PlanFacts, Start};
+use hbm::{Jacobian, POINTS_A_TASK, PlanFacts, Start};
 use serde::Serialize;
 
 use crate::error::NOT_YET;
@@ -37,6 +37,9 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     steps.push(match (settings.start, points) {
         (Start::March, _) => step("parallel sweep", false, "marching needs the point before"),
         (Start::Ladder, 1) => step("parallel sweep", false, "there is one point"),
+        (Start::Ladder, _) if points <= POINTS_A_TASK => {
+            step("parallel sweep", false, format!("{points} points are solved before threads have started"))
+        }
         (Start::Ladder, _) => {
             step("parallel sweep", true, format!("{points} points do not depend on each other"))
         }

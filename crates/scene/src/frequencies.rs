@@ -47,10 +47,11 @@ impl Frequencies {
             0 => from,
             _ if i == last => to,
             _ => {
-                let part = i as f64 / last as f64;
+                let (i, last) = (i as f64, last as f64);
                 match spacing {
-                    Spacing::Linear => from + (to - from) * part,
-                    Spacing::Log => from * (to / from).powf(part),
+                    // Multiplied before it is divided: round steps give round frequencies.
+                    Spacing::Linear => from + (to - from) * i / last,
+                    Spacing::Log => from * (to / from).powf(i / last),
                 }
             }
         };

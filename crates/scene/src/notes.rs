@@ -36,7 +36,12 @@ fn span<'a>(solutions: impl Iterator<Item = &'a Solution>) -> Option<String> {
     let least = frequencies.iter().copied().reduce(f64::min)?;
     let most = frequencies.iter().copied().reduce(f64::max)?;
     Some(match frequencies.len() {
-        1 => format!("{least} Hz"),
-        count => format!("{count} points between {least} and {most} Hz"),
+        1 => format!("{} Hz", short(least)),
+        count => format!("{count} points between {} and {} Hz", short(least), short(most)),
     })
+}
+
+/// A frequency to seven digits, without the noise of its last ones.
+fn short(frequency: f64) -> f64 {
+    format!("{frequency:.6e}").parse().unwrap_or(frequency)
 }
