@@ -307,3 +307,24 @@ fn waveforms_carry_the_harmonics() {
     let peak = wave.contacts[0].force.iter().fold(0.0_f64, |top, f| top.max(f.abs()));
     assert!((peak - 6.705e6 * 2.232e-6).abs() < 1e-9);
 }
+
+/// A contact that could hold the vibration, but not together with a static load: no number is made up.
+#[test]
+fn a_held_contact_must_hold_at_every_instant() {
+    let mut problem = paper_scene();
+    problem.excitation[0].amplitude = 0.03;
+    let mut preload = problem.excitation[0];
+    (preload.harmonic, preload.amplitude) = (0, 1.0);
+    problem.excitation.push(preload);
+    for harmonics in [1, 3] {
+        let plan = Plan::new(&problem, &Settings::new(harmonics)).unwrap();
+        let mut workspace = plan.workspace();
+        let mut solution = Solution::default();
+        // Memory of a solved point must not shine through.
+        let free = Plan::new(&paper_scene(), &Settings::new(harmonics)).unwrap();
+        free.solve_into(75.0, &mut free.workspace(), &mut solution);
+        plan.solve_into(75.0, &mut workspace, &mut solution);
+        assert_eq!(solution.status, Status::Failed(FailureReason::HoldingLimit), "N = {harmonics}");
+        assert!(solution.displacement.is_empty() && solution.contacts.is_empty());
+    }
+}

@@ -166,6 +166,14 @@ impl Solution {
         self.others.clear();
     }
 
+    /// The point has no solution, so it has no numbers either.
+    pub(crate) fn fail(&mut self, reason: FailureReason) {
+        self.status = Status::Failed(reason);
+        self.residual = f64::INFINITY;
+        self.displacement.clear();
+        self.contacts.clear();
+    }
+
     /// Whether `other` is another motion of the contacts, beyond the error of the iteration.
     pub(crate) fn differs_from(&self, other: &Self) -> bool {
         let pairs = || self.contacts.iter().zip(&other.contacts);

@@ -45,15 +45,14 @@ impl Plan {
         ws.newton.history.clear();
         if let Err(harmonic) = self.structure.condense(frequency, &mut ws.condensed) {
             ws.has_previous = false;
-            solution.status = Status::Failed(FailureReason::SingularStructure { harmonic });
-            return;
+            return solution.fail(FailureReason::SingularStructure { harmonic });
         }
         ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
-        if self.settings.start == Start::March && ws.has_previous && self.march(ws, solution) {
-            return;
-        }
+        let marching = self.settings.start == Start::March && ws.has_previous;
         if ws.point.excitation_norm(self.slots()) == 0.0 {
             self.at_rest_without_load(ws, solution);
+        } else if marching && self.march(ws, solution) {
+            // The previous point led here.
         } else if self.linear {
             self.linear(ws, solution);
         } else if self.scalar {
@@ -144,35 +143,37 @@ impl Plan {
         roots.clear();
         balance.roots(&mut roots);
         roots.sort_by(|a, b| b.total_cmp(a));
-        let can_hold = balance.can_hold();
         let mut reported = false;
-        for &a in &roots {
-            let others = reported.then(|| Solution::empty(solution.frequency, solution.harmonics));
+        for &a in roots.iter().take(if self.settings.all_solutions { usize::MAX } else { 1 }) {
             self.place_root(&balance, a, ws);
-            match others {
-                None => self.report(Status::Converged, balance.residual(a), ws, solution),
-                Some(mut other) => {
-                    self.report(Status::Converged, balance.residual(a), ws, &mut other);
-                    solution.others.push(other);
-                }
-            }
-            reported = true;
-            if !self.settings.all_solutions {
-                break;
-            }
-        }
-        let count = roots.len() + usize::from(can_hold);
-        ws.roots = roots;
-        if can_hold && (!reported || self.settings.all_solutions) {
             if reported {
                 let mut other = Solution::empty(solution.frequency, solution.harmonics);
-                self.try_holding(ws, &mut other);
+                self.report(Status::Converged, balance.residual(a), ws, &mut other);
                 solution.others.push(other);
             } else {
-                self.try_holding(ws, solution);
+                self.report(Status::Converged, balance.residual(a), ws, solution);
             }
+            reported = true;
         }
-        solution.solutions = Some(count);
+        let mut count = roots.len();
+        ws.roots = roots;
+        if balance.can_hold() {
+            let mut rest = Solution::empty(solution.frequency, solution.harmonics);
+            let held = match reported {
+                true => self.try_holding(ws, &mut rest),
+                false => self.try_holding(ws, solution),
+            };
+            count += usize::from(held);
+            if held && reported && self.settings.all_solutions {
+                solution.others.push(rest);
+            }
+            reported |= held;
+        }
+        match reported {
+            true => solution.solutions = Some(count),
+            // Held by the first harmonic alone, but not together with a static load.
+            false => self.fail(Some(LawError::NoMotion), f64::INFINITY, ws, solution),
+        }
     }
 
     /// Newton's method from every start; at rest when nothing slides.
@@ -183,7 +184,7 @@ impl Plan {
                 Climb::Solved => return,
                 Climb::Failed(outcome) => outcome,
                 Climb::Held if self.try_holding(ws, solution) => return,
-                Climb::Held => Outcome::NONE,
+                Climb::Held => Outcome { law_error: Some(LawError::NoMotion), ..Outcome::NONE },
             },
             None => {
                 self.secant_start(ws);
@@ -258,7 +259,7 @@ impl Plan {
             Some(error @ LawError::NegativeMagnitude { .. }) => FailureReason::Law(error),
             _ => FailureReason::NotConverged,
         };
-        solution.status = Status::Failed(reason);
+        solution.fail(reason);
         solution.residual = residual;
         solution.residual_history.extend_from_slice(&ws.newton.history);
     }
@@ -273,7 +274,6 @@ impl Plan {
         let outcome = self.iterate(last, self.slots(), Homotopy::NONE, ws);
         if outcome.converged {
             self.report(Status::Converged, outcome.residual, ws, solution);
-            solution.stats = ws.stats;
         }
         outcome.converged
     }
