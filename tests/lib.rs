@@ -1,15 +1,17 @@
 //! Models with known answers, shared by the cross-crate tests and the benchmarks.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
 use contact::{
-    Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, MagnitudeLaw, PhaseLaw,
+    Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, MagnitudeLaw, Motion, PhaseLaw,
     ScaledLoop, Symmetry,
 };
 use faer::{Mat, mat};
 use hbm::{Contact, Damping, Excitation, ExcitationKind, Model, Problem};
 use hysteresis::{FitSettings, Loop, ReadOptions, Record};
+use num_complex::Complex64;
 
 /// cos-force of `amplitude` on `dof`, first harmonic.
 pub fn force(dof: usize, amplitude: f64) -> Excitation {
@@ -88,6 +90,41 @@ pub fn scaled_reference_loop() -> Arc<dyn Law> {
     Arc::new(
         ScaledLoop::new(&reference_loop(), 0.0, magnitude, phase, Symmetry::Auto).expect("the paper's law"),
     )
+}
+
+/// A motion in harmonics and samples, as a law is asked about it.
+pub struct SampledMotion {
+    spectrum: Vec<Complex64>,
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+impl SampledMotion {
+    /// `samples` samples of `w(τ) = Re Σ W_k e^{ikτ}`, by the definition.
+    pub fn new(spectrum: &[Complex64], samples: usize) -> Self {
+        let at = |j: usize, power: i32| -> f64 {
+            let tau = TAU * j as f64 / samples as f64;
+            let term = |(k, w): (usize, &Complex64)| {
+                (w * Complex64::new(0.0, k as f64).powi(power) * Complex64::cis(k as f64 * tau)).re
+            };
+            spectrum.iter().enumerate().map(term).sum()
+        };
+        Self {
+            spectrum: spectrum.to_vec(),
+            displacement: (0..samples).map(|j| at(j, 0)).collect(),
+            velocity: (0..samples).map(|j| at(j, 1)).collect(),
+        }
+    }
+
+    /// The form in which laws take it.
+    pub fn motion(&self) -> Motion<'_> {
+        Motion {
+            spectrum: &self.spectrum,
+            displacement: &self.displacement,
+            velocity: &self.velocity,
+            odd: self.spectrum.iter().step_by(2).all(|w| *w == Complex64::ZERO),
+        }
+    }
 }
 
 /// The paper's scene: two masses with the paper's law on the shipped loop.

@@ -1,15 +1,14 @@
 //! The loop law against an independent implementation of it (`reference/scaled_loop.json`).
 
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use contact::{Law, MagnitudeLaw, Motion, PhaseLaw, ScaledLoop, Symmetry, Workspace};
+use contact::{Law, MagnitudeLaw, PhaseLaw, ScaledLoop, Symmetry, Workspace};
 use faer::mat;
 use hbm::{Plan, Problem, Settings, Status};
 use hysteresis::Loop;
 use num_complex::Complex64;
 use serde_json::Value;
-use stickslip_tests::{force, model, to_ground};
+use stickslip_tests::{SampledMotion, force, model, to_ground};
 
 fn reference() -> Value {
     serde_json::from_str(include_str!("reference/scaled_loop.json")).unwrap()
@@ -94,19 +93,9 @@ fn force_in_time_with_masings_memory() {
     for row in list(&data["forces"]["rows"]).iter().filter(|row| row["reading"] == false) {
         let law = law(&data, row["loop"].as_str().unwrap());
         let spectrum: Vec<Complex64> = spectrum(&row["w_micrometre"]).iter().map(|w| w * 1e-6).collect();
-        let at = |j: usize, power: i32| -> f64 {
-            let tau = TAU * j as f64 / samples as f64;
-            let term = |(k, w): (usize, &Complex64)| {
-                (w * Complex64::new(0.0, k as f64).powi(power) * Complex64::cis(k as f64 * tau)).re
-            };
-            spectrum.iter().enumerate().map(term).sum()
-        };
-        let displacement: Vec<f64> = (0..samples).map(|j| at(j, 0)).collect();
-        let velocity: Vec<f64> = (0..samples).map(|j| at(j, 1)).collect();
-        let odd = spectrum.iter().step_by(2).all(|w| *w == Complex64::ZERO);
-        let motion = Motion { spectrum: &spectrum, displacement: &displacement, velocity: &velocity, odd };
+        let motion = SampledMotion::new(&spectrum, samples);
         let mut force = vec![0.0; samples];
-        law.force(&motion, &mut Workspace::new(samples), &mut force).unwrap();
+        law.force(&motion.motion(), &mut Workspace::new(samples), &mut force).unwrap();
         for (j, (f, expected)) in force.iter().zip(list(&row["f_measured"])).enumerate() {
             let error = (f - number(expected)).abs() / 12.0;
             assert!(error < 1e-12, "{}, sample {j}: {f} instead of {expected}", row["name"]);

@@ -2,16 +2,15 @@
 //!
 //! `cargo bench -p stickslip-tests`. Times are a point's own: planned and warm, all dofs recovered, no files.
 
-use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::path::Path;
 
-use contact::{Motion, Workspace};
+use contact::Workspace;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_main};
 use hbm::{Plan, Problem, Settings, Solution, SweepOptions, sweep};
 use hysteresis::{FitSettings, ReadOptions, Record};
 use num_complex::Complex64;
-use stickslip_tests::{paper_scene, scene_p_cubic, scene_r};
+use stickslip_tests::{SampledMotion, paper_scene, scene_p_cubic, scene_r};
 
 fn loop_fit(c: &mut Criterion) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/loops/reference.csv");
@@ -26,24 +25,15 @@ fn law_evaluation(c: &mut Criterion) {
     let samples = 256;
     let spectrum =
         [Complex64::ZERO, Complex64::new(7e-6, 1e-6), Complex64::ZERO, Complex64::new(5e-7, -4e-7)];
-    let at = |j: usize, power: i32| -> f64 {
-        let tau = TAU * j as f64 / samples as f64;
-        let term = |(k, w): (usize, &Complex64)| {
-            (w * Complex64::new(0.0, k as f64).powi(power) * Complex64::cis(k as f64 * tau)).re
-        };
-        spectrum.iter().enumerate().map(term).sum()
-    };
-    let displacement: Vec<f64> = (0..samples).map(|j| at(j, 0)).collect();
-    let velocity: Vec<f64> = (0..samples).map(|j| at(j, 1)).collect();
-    let motion = Motion { spectrum: &spectrum, displacement: &displacement, velocity: &velocity, odd: true };
+    let motion = SampledMotion::new(&spectrum, samples);
     for problem in [scene_r(), paper_scene(), scene_p_cubic()] {
         let law = &problem.contacts[0].law;
         let mut workspace = Workspace::new(samples);
         let mut force = vec![0.0; samples];
         group.bench_function(law.name(), |b| {
             b.iter(|| {
-                law.force(black_box(&motion), &mut workspace, &mut force).unwrap();
-                law.tangent(&motion, &mut workspace).local[0]
+                law.force(black_box(&motion.motion()), &mut workspace, &mut force).unwrap();
+                law.tangent(&motion.motion(), &mut workspace).local[0]
             });
         });
     }
