@@ -31,6 +31,7 @@ mod loop_curve;
 mod masing;
 mod masing_tangent;
 mod path;
+mod place;
 mod real;
 mod scaled_loop;
 mod scaling;

@@ -176,7 +176,7 @@ impl Law for ScaledLoop {
         workspace: &mut Workspace,
         force: &mut [f64],
     ) -> Result<Marks, LawError> {
-        let Workspace { turning_points: tips, masing, masing_tangent, .. } = workspace;
+        let Workspace { turning_points: tips, masing, curve, growth, .. } = workspace;
         tips.find(motion)?;
         let a = tips.amplitude();
         let alpha = a / self.reference_displacement;
@@ -184,15 +184,15 @@ impl Law for ScaledLoop {
             return Err(LawError::NegativeMagnitude { alpha });
         }
         let (first, derivative) = self.first(alpha);
-        masing.curve.set(self.coefficients(first), self.odd);
-        masing_tangent.growth.set(self.coefficients(derivative / self.reference_displacement), self.odd);
-        masing.trace(&SampledPath::new(motion, tips), a, force);
+        curve.set(self.coefficients(first), self.odd);
+        growth.set(self.coefficients(derivative / self.reference_displacement), self.odd);
+        masing.trace(curve, &SampledPath::new(motion, tips), a, force);
         Ok(self.marks(a))
     }
 
     fn tangent<'w>(&self, motion: &Motion, workspace: &'w mut Workspace) -> &'w Tangent {
-        let Workspace { turning_points, masing, masing_tangent, tangent, .. } = workspace;
-        masing_tangent.evaluate(masing, motion, turning_points, tangent);
+        let Workspace { turning_points, curve, growth, masing, masing_tangent, tangent, .. } = workspace;
+        masing_tangent.evaluate(curve, growth, masing, motion, turning_points, tangent);
         tangent
     }
 

@@ -302,7 +302,8 @@ fn derivatives_agree_with_dual_numbers() {
                 }
                 let a = (path.tip(0) - path.tip(tips.lowest())) * 0.5;
                 for law in &loops {
-                    let mut masing = crate::masing::Masing::<Dual64>::new();
+                    let mut masing = crate::masing::Masing::new();
+                    let mut curve = crate::loop_curve::LoopCurve::new();
                     let (first, derivative) = law.first(tips.amplitude() / law.reference_displacement());
                     let growth = derivative / law.reference_displacement();
                     let dual = |(c, growth): (Complex64, Complex64)| Complex {
@@ -310,8 +311,8 @@ fn derivatives_agree_with_dual_numbers() {
                         im: Dual64::new(c.im, growth.im * a.eps),
                     };
                     let coefficients = law.coefficients(first).zip(law.coefficients(growth)).map(dual);
-                    masing.curve.set(coefficients, law.is_odd());
-                    masing.trace(&path, a, &mut force);
+                    curve.set(coefficients, law.is_odd());
+                    masing.trace(&curve, &path, a, &mut force);
                     check(law, &force);
                 }
             }
