@@ -176,6 +176,7 @@ impl Growth<LoopCurve<f64>> for LoopCurve<f64> {
         curve.slope.evaluate(spots, kappa);
         amplitude.resize(spots.len(), 0.0);
         self.force.evaluate(spots, amplitude);
+        change.clear();
         if !curve.is_odd() {
             change.resize(spots.len(), 0.0);
             curve.force.evaluate(spots, change);

@@ -57,7 +57,7 @@ pub(crate) trait Growth<S: Shape<f64>> {
     /// The derivatives at one place, for amplitude `a`.
     fn local(&self, shape: &S, direction: Direction, place: Place<f64>, a: f64) -> Local;
 
-    /// Raw values at all spots, of which [`Growth::finish`] makes derivatives. Buffers that stay empty count as zero.
+    /// Raw values at all spots, of which [`Growth::finish`] makes derivatives. Buffers left empty count as zero.
     fn evaluate(
         &self,
         shape: &S,
@@ -178,8 +178,6 @@ impl MasingTangent {
         let period = &Period { shape, growth, masing, path, a, count: path.count(), lowest: path.lowest() };
         tangent.clear();
         self.rows(period);
-        self.amplitude.clear();
-        self.ratio.clear();
         self.at_tips.clear();
         growth.evaluate(shape, &masing.spots, &mut tangent.local, &mut self.amplitude, &mut self.ratio);
         for piece in &masing.pieces {
@@ -198,26 +196,39 @@ impl MasingTangent {
         piece: &Piece,
         kappa: &mut [f64],
     ) {
-        let Period { shape, growth, masing, path, a, .. } = *period;
+        let Period { shape, growth, masing, a, .. } = *period;
         let sigma = branch.direction.sign();
         let per_amplitude = 1.0 / a;
+        let odd = shape.is_odd();
         for j in piece.ranges(kappa.len()).into_iter().flatten() {
-            let Some(&spot) = masing.spots.get(j) else { continue };
+            let Some(&spot) = masing.spots.get(j) else { break };
             // The phase is looked at only where the displacement is close to a tip's.
-            let tip = if G::near_tip(spot) { tip_at(path, branch, j) } else { None };
-            if let Some(tip) = tip {
-                self.at_tips.extend(velocity_influence(period, branch, tip).map(|s| (j, tip, s)));
-            }
+            let at_tip = G::near_tip(spot) && self.on_tip(period, branch, j);
             let raw = Local {
                 kappa: value(kappa, j),
                 amplitude: value(&self.amplitude, j),
-                change: value(&self.ratio, j),
+                change: if odd { 0.0 } else { value(&self.ratio, j) },
             };
-            let local = growth.finish(shape, branch.direction, spot, per_amplitude, tip.is_some(), raw);
+            let local = growth.finish(shape, branch.direction, spot, per_amplitude, at_tip, raw);
             set(kappa, j, branch.ratio * local.kappa);
             set(&mut self.amplitude, j, sigma * (branch.ratio * local.amplitude));
-            set(&mut self.ratio, j, sigma * local.change);
+            if !odd {
+                set(&mut self.ratio, j, sigma * local.change);
+            }
         }
+    }
+
+    /// Whether sample `j` sits on a tip; if so, notes the influence of the velocity there.
+    #[cold]
+    fn on_tip<S: Shape<f64>, G: Growth<S>>(
+        &mut self,
+        period: &Period<S, G>,
+        branch: &Branch<f64>,
+        j: usize,
+    ) -> bool {
+        let Some(tip) = tip_at(period.path, branch, j) else { return false };
+        self.at_tips.extend(velocity_influence(period, branch, tip).map(|s| (j, tip, s)));
+        true
     }
 
     /// Collects the influence of every turning point. In odd motion δw(τ + π) = −δw(τ), so opposite turning points

@@ -39,6 +39,17 @@ pub enum Symmetry {
     Full,
 }
 
+impl Symmetry {
+    /// Whether a loop of this even content and noise (relative to |F_1|) counts as odd.
+    pub(crate) fn is_odd(self, even_content: f64, noise: f64) -> bool {
+        match self {
+            Self::Auto => even_content <= noise.max(EVEN_CONTENT_LIMIT),
+            Self::Odd => true,
+            Self::Full => even_content == 0.0,
+        }
+    }
+}
+
 /// A measured loop scaled to the current amplitude.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScaledLoop {
@@ -72,11 +83,7 @@ impl ScaledLoop {
     ) -> Result<Self, ParameterError> {
         magnitude.check()?;
         phase.check()?;
-        let odd = match symmetry {
-            Symmetry::Auto => measured.even_content() <= noise.max(EVEN_CONTENT_LIMIT),
-            Symmetry::Odd => true,
-            Symmetry::Full => measured.even_content() == 0.0,
-        };
+        let odd = symmetry.is_odd(measured.even_content(), noise);
         let dissipative = measured.coefficients().get(1).map_or(0.0, |c| c.im);
         if dissipative <= 0.0 {
             return Err(ParameterError::new(
