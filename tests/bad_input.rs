@@ -222,7 +222,7 @@ fn laws() {
         "contacts[0].law.type: there is no law \"magic\"; known are scaled_loop",
     );
     refused(&law(json!("linear")), "contacts[0].law: must be an object");
-    for later in ["loop_family", "iwan", "coulomb"] {
+    for later in ["coulomb"] {
         refused(
             &law(json!({ "type": later })),
             &format!("contacts[0].law.type: the law \"{later}\" is not supported yet"),

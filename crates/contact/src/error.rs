@@ -1,5 +1,7 @@
 //! What can go wrong with a contact law: when it is built, and when it is evaluated.
 
+use std::borrow::Cow;
+
 use thiserror::Error;
 
 /// A parameter that a law cannot be built from. `key` is the parameter's name in a scene file, so that a
@@ -7,16 +9,17 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{key}: {problem}")]
 pub struct ParameterError {
-    /// Dotted path of the offending parameter below the law, for example `slip_force` or `phase.decay`.
-    pub key: &'static str,
+    /// Dotted path of the offending parameter below the law, for example `slip_force`, `phase.decay` or
+    /// `backbone[2]`.
+    pub key: Cow<'static, str>,
     /// What is wrong, with the value that was given.
     pub problem: String,
 }
 
 impl ParameterError {
     /// An error about the parameter `key`.
-    pub fn new(key: &'static str, problem: impl Into<String>) -> Self {
-        Self { key, problem: problem.into() }
+    pub fn new(key: impl Into<Cow<'static, str>>, problem: impl Into<String>) -> Self {
+        Self { key: key.into(), problem: problem.into() }
     }
 
     /// Checks that `value` is finite and positive.

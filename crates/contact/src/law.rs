@@ -5,6 +5,7 @@ use std::fmt;
 use num_complex::Complex64;
 
 use crate::error::LawError;
+use crate::loop_curve::LoopCurve;
 use crate::masing::Masing;
 use crate::masing_tangent::MasingTangent;
 use crate::path::Piece;
@@ -92,7 +93,12 @@ pub trait DescribingFunction {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     pub(crate) turning_points: TurningPoints,
-    pub(crate) masing: Masing<f64>,
+    /// A loop law's branches, and how they change with the amplitude.
+    pub(crate) curve: LoopCurve<f64>,
+    pub(crate) growth: LoopCurve<f64>,
+    pub(crate) masing: Masing<f64, Complex64>,
+    /// An Iwan law's branches.
+    pub(crate) stack: Masing<f64, f64>,
     pub(crate) masing_tangent: MasingTangent,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) tangent: Tangent,
@@ -103,7 +109,10 @@ impl Workspace {
     pub fn new(samples: usize) -> Self {
         Self {
             turning_points: TurningPoints::default(),
+            curve: LoopCurve::new(),
+            growth: LoopCurve::new(),
             masing: Masing::new(),
+            stack: Masing::new(),
             masing_tangent: MasingTangent::new(),
             pieces: Vec::new(),
             tangent: Tangent::new(samples),

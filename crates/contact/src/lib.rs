@@ -7,7 +7,9 @@
 //! | law | file | force |
 //! |---|---|---|
 //! | [`ScaledLoop`] | `scaled_loop.rs` | a measured loop, scaled by eqs (6)–(9) of the paper |
+//! | [`LoopFamily`] | `loop_family.rs` | measured loops at several amplitudes, interpolated |
 //! | [`ElasticCoulomb`] | `elastic_coulomb.rs` | spring in series with a Coulomb slider (Jenkins element) |
+//! | [`Iwan`] | `iwan.rs` | Jenkins elements in parallel, from a backbone (Masing's rule) |
 //! | [`Cubic`] | `cubic.rs` | k₃ w³ |
 //! | [`Linear`] | `linear.rs` | k w |
 //!
@@ -22,15 +24,22 @@
 //! * Forces are in **rig convention**: the force that drives the contact, `∮ f dw ≥ 0`; newtons. The force on
 //!   the vibrating mass is `−f`.
 
+mod backbone;
 mod cubic;
 mod elastic_coulomb;
 mod error;
+mod family_curve;
+mod iwan;
 mod law;
 mod linear;
+mod logarithmic;
 mod loop_curve;
+mod loop_family;
 mod masing;
 mod masing_tangent;
 mod path;
+mod place;
+mod polygon;
 mod real;
 mod scaled_loop;
 mod scaling;
@@ -42,8 +51,10 @@ mod verification;
 pub use cubic::{Cubic, CubicParameters};
 pub use elastic_coulomb::{ElasticCoulomb, ElasticCoulombParameters};
 pub use error::{LawError, ParameterError};
+pub use iwan::{Iwan, IwanParameters};
 pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 pub use linear::{Linear, LinearParameters};
+pub use loop_family::LoopFamily;
 pub use scaled_loop::{ScaledLoop, Symmetry};
 pub use scaling::{MagnitudeLaw, PhaseLaw};
 pub use tangent::{Recall, Recalled, Tangent};

@@ -6,72 +6,10 @@
 
 use num_complex::{Complex, Complex64};
 
+use crate::masing::Shape;
+use crate::masing_tangent::{Growth, Local};
+use crate::place::{Direction, Place};
 use crate::real::Real;
-
-/// Which way the displacement goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Direction {
-    /// From an upper turning point down.
-    Unloading,
-    /// From a lower turning point up.
-    Loading,
-}
-
-impl Direction {
-    pub(crate) fn reversed(self) -> Self {
-        match self {
-            Self::Unloading => Self::Loading,
-            Self::Loading => Self::Unloading,
-        }
-    }
-
-    /// Sign of the force change along the branch.
-    #[inline(always)]
-    pub(crate) fn sign(self) -> f64 {
-        match self {
-            Self::Unloading => -1.0,
-            Self::Loading => 1.0,
-        }
-    }
-}
-
-/// Where on a branch: distance from the tip it starts at, in amplitudes, and what is left of the full range.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Place<T> {
-    /// p = |w − w_tip| / a, in [0, 2].
-    pub(crate) gone: T,
-    /// 2 − p, given apart so that neither end suffers from cancellation.
-    pub(crate) left: T,
-}
-
-impl<T: Real> Place<T> {
-    /// The place at distance `gone`, held to [0, 2].
-    #[inline]
-    pub(crate) fn at(gone: T) -> Self {
-        let gone = if gone.value() < 0.0 { T::from(0.0) } else { gone };
-        let left = T::from(2.0) - gone;
-        Self { gone, left: if left.value() < 0.0 { T::from(0.0) } else { left } }
-    }
-
-    /// The same place seen from the other end.
-    #[inline]
-    pub(crate) fn reversed(self) -> Self {
-        Self { gone: self.left, left: self.gone }
-    }
-
-    /// e^{iθ} at this place.
-    #[inline]
-    pub(crate) fn unit(self, direction: Direction) -> Complex<T> {
-        let cos = if self.gone.value() < 1.0 { T::from(1.0) - self.gone } else { self.left - T::from(1.0) };
-        let product = self.gone * self.left;
-        // The derivative of √ at 0 is infinite; a tip itself carries none.
-        let sin = if product.value() > 0.0 { product.sqrt() } else { T::from(0.0) };
-        match direction {
-            Direction::Unloading => Complex { re: cos, im: sin },
-            Direction::Loading => Complex { re: -cos, im: -sin },
-        }
-    }
-}
 
 /// Points evaluated side by side, so that the dependent steps of Horner's rule overlap.
 const LANES: usize = 8;
@@ -170,46 +108,120 @@ impl<T: Real> LoopCurve<T> {
         self.upper = self.force.at(Complex { re: T::from(1.0), im: T::from(0.0) });
         self.lower = self.force.at(Complex { re: -T::from(1.0), im: T::from(0.0) });
     }
+}
 
-    /// Whether the two branches mirror each other.
-    pub(crate) fn is_odd(&self) -> bool {
+/// Branches whose raw values are the forces of the loop: D(p) = L(0) − L(θ) unloading, U(p) = L(θ) − L(π) loading.
+impl<T: Real> Shape<T> for LoopCurve<T> {
+    /// e^{iθ}.
+    type Spot = Complex<T>;
+
+    fn is_odd(&self) -> bool {
         self.force.odd
     }
 
-    /// Magnitude of the force change since the tip: D(p) = L(0) − L(θ) unloading, U(p) = L(θ) − L(π) loading.
-    pub(crate) fn change(&self, direction: Direction, place: Place<T>) -> T {
-        self.change_to(direction, self.force.at(place.unit(direction)))
+    fn tip(&self, direction: Direction) -> T {
+        match direction {
+            Direction::Unloading => self.upper,
+            Direction::Loading => self.lower,
+        }
     }
 
-    /// The change that leads to the loop force `force`.
     #[inline(always)]
-    pub(crate) fn change_to(&self, direction: Direction, force: T) -> T {
+    fn spot(direction: Direction, place: Place<T>) -> Complex<T> {
+        place.unit(direction)
+    }
+
+    fn evaluate(&self, spots: &[Complex<T>], values: &mut [T]) {
+        self.force.evaluate(spots, values);
+    }
+
+    #[inline(always)]
+    fn change_to(&self, direction: Direction, value: T) -> T {
         match direction {
-            Direction::Unloading => self.upper - force,
-            Direction::Loading => force - self.lower,
+            Direction::Unloading => self.upper - value,
+            Direction::Loading => value - self.lower,
         }
     }
 }
 
-impl LoopCurve<f64> {
-    /// dD/dp or dU/dp. Infinite at the tips of a loop with rounded ends.
-    pub(crate) fn stiffness(&self, direction: Direction, place: Place<f64>) -> f64 {
+/// |sin θ| below which a sample may be on a tip.
+const NEAR_TIP: f64 = 1e-3;
+
+/// ∂c_k/∂a, itself a curve: how a loop changes with its amplitude.
+impl Growth<LoopCurve<f64>> for LoopCurve<f64> {
+    fn tip(&self, _curve: &LoopCurve<f64>, direction: Direction) -> [f64; 2] {
+        let growth = Shape::tip(self, direction);
+        [0.5 * growth, -0.5 * growth]
+    }
+
+    fn local(&self, curve: &LoopCurve<f64>, direction: Direction, place: Place<f64>, a: f64) -> Local {
         let z = place.unit(direction);
-        stiffness(self.slope.at(z), z)
+        let kappa = stiffness(curve.slope.at(z), z) / a;
+        Local {
+            kappa,
+            amplitude: self.change(direction, place) - kappa * place.gone,
+            change: curve.change(direction, place),
+        }
+    }
+
+    /// κ first holds dL/dθ, g first dL/da, and S first L of every sample.
+    fn evaluate(
+        &self,
+        curve: &LoopCurve<f64>,
+        spots: &[Complex64],
+        kappa: &mut [f64],
+        amplitude: &mut Vec<f64>,
+        change: &mut Vec<f64>,
+    ) {
+        curve.slope.evaluate(spots, kappa);
+        amplitude.resize(spots.len(), 0.0);
+        self.force.evaluate(spots, amplitude);
+        change.clear();
+        if !curve.is_odd() {
+            change.resize(spots.len(), 0.0);
+            curve.force.evaluate(spots, change);
+        }
+    }
+
+    #[inline(always)]
+    fn finish(
+        &self,
+        curve: &LoopCurve<f64>,
+        direction: Direction,
+        z: Complex64,
+        per_amplitude: f64,
+        at_tip: bool,
+        raw: Local,
+    ) -> Local {
+        let gone = match direction {
+            Direction::Unloading => 1.0 - z.re,
+            Direction::Loading => 1.0 + z.re,
+        };
+        let kappa = if at_tip || z.im == 0.0 { 0.0 } else { stiffness(raw.kappa, z) * per_amplitude };
+        Local {
+            kappa,
+            amplitude: self.change_to(direction, raw.amplitude) - kappa * gone,
+            change: curve.change_to(direction, raw.change),
+        }
+    }
+
+    #[inline(always)]
+    fn near_tip(z: Complex64) -> bool {
+        z.im.abs() < NEAR_TIP
     }
 
     /// dL/dθ at the upper tip (unloading) or the lower tip (loading), in N.
-    pub(crate) fn slope_at_tip(&self, direction: Direction) -> f64 {
+    fn slope_at_tip(&self, curve: &LoopCurve<f64>, direction: Direction) -> f64 {
         match direction {
-            Direction::Unloading => self.slope.at(Complex64::ONE),
-            Direction::Loading => self.slope.at(-Complex64::ONE),
+            Direction::Unloading => curve.slope.at(Complex64::ONE),
+            Direction::Loading => curve.slope.at(-Complex64::ONE),
         }
     }
 }
 
 /// dD/dp or dU/dp from dL/dθ at e^{iθ} = z. Unloading: θ' = 1/sin θ and D' = −L_θ θ'; loading: θ' = −1/sin θ with
-/// sin θ < 0 and U' = L_θ θ'.
+/// sin θ < 0 and U' = L_θ θ'. Infinite at the tips of a loop with rounded ends.
 #[inline(always)]
-pub(crate) fn stiffness(slope: f64, z: Complex64) -> f64 {
+fn stiffness(slope: f64, z: Complex64) -> f64 {
     -slope / z.im
 }

@@ -1,4 +1,4 @@
-//! Masing's memory for one friction loop: which branch the contact is on at every instant of a period.
+//! Masing's memory: which branch of a friction loop the contact is on at every instant of a period.
 //!
 //! From the global maximum to the global minimum the contact unloads along the loop's upper branch, and back along
 //! the lower one. A reversal in between starts a minor branch of the same shape from where it happens towards the
@@ -7,12 +7,41 @@
 //!
 //! The rule is continuous where reversals appear, vanish or tie. For a loop whose branches are not mirror images
 //! a minor branch is scaled by the `ratio` that makes it end where it should.
+//!
+//! What the branches look like is a [`Shape`]: a measured loop, or a backbone.
 
-use num_complex::Complex;
-
-use crate::loop_curve::{Direction, LoopCurve, Place};
 use crate::path::{Path, Piece};
+use crate::place::{Direction, Place};
 use crate::real::Real;
+
+/// The two branches of a friction loop at one amplitude.
+pub(crate) trait Shape<T: Real> {
+    /// What is kept of a place on a branch until all samples are evaluated together.
+    type Spot: Copy;
+
+    /// Whether the two branches mirror each other.
+    fn is_odd(&self) -> bool;
+
+    /// The force at the tip where the main branch of this direction begins.
+    fn tip(&self, direction: Direction) -> T;
+
+    /// What to keep of a place.
+    fn spot(direction: Direction, place: Place<T>) -> Self::Spot;
+
+    /// The raw values at all spots, into `values` of the same length; [`Shape::change_to`] makes changes of them.
+    fn evaluate(&self, spots: &[Self::Spot], values: &mut [T]);
+
+    /// Magnitude of the force change since the branch began, from the raw value.
+    fn change_to(&self, direction: Direction, value: T) -> T;
+
+    /// Magnitude S(p) of the force change since the branch began, at one place.
+    fn change(&self, direction: Direction, place: Place<T>) -> T {
+        let mut value = [T::from(0.0)];
+        self.evaluate(&[Self::spot(direction, place)], &mut value);
+        let [value] = value;
+        self.change_to(direction, value)
+    }
+}
 
 /// A branch: where it starts, where it would close, and how its force runs:
 /// `f = f_start ∓ ratio · change(p)`.
@@ -34,12 +63,11 @@ pub(crate) struct Branch<T> {
 
 /// The branches of one period and the samples on them; reused between evaluations.
 #[derive(Debug, Clone)]
-pub(crate) struct Masing<T> {
-    pub(crate) curve: LoopCurve<T>,
+pub(crate) struct Masing<T, Spot> {
     pub(crate) branches: Vec<Branch<T>>,
     pub(crate) pieces: Vec<Piece>,
-    /// e^{iθ} of every sample on its branch.
-    pub(crate) units: Vec<Complex<T>>,
+    /// Where every sample lies on its branch.
+    pub(crate) spots: Vec<Spot>,
     stack: Vec<usize>,
 }
 
@@ -49,42 +77,39 @@ pub(crate) fn wrap(j: usize, samples: usize) -> usize {
     if j < samples { j } else { j - samples }
 }
 
-impl<T: Real> Masing<T> {
+impl<T: Real, Spot: Copy> Masing<T, Spot> {
     /// Empty buffers.
     pub(crate) fn new() -> Self {
-        Self {
-            curve: LoopCurve::new(),
-            branches: Vec::new(),
-            pieces: Vec::new(),
-            units: Vec::new(),
-            stack: Vec::new(),
-        }
+        Self { branches: Vec::new(), pieces: Vec::new(), spots: Vec::new(), stack: Vec::new() }
     }
 
     /// Walks through one period of `path` with loop amplitude `a` and writes the force at every sample.
-    pub(crate) fn trace(&mut self, path: &impl Path<T>, a: T, force: &mut [T]) {
+    pub(crate) fn trace<S>(&mut self, shape: &S, path: &impl Path<T>, a: T, force: &mut [T])
+    where
+        S: Shape<T, Spot = Spot>,
+    {
         let samples = force.len();
         self.branches.clear();
         self.pieces.clear();
-        self.units.resize(samples, Complex { re: T::from(1.0), im: T::from(0.0) });
+        self.spots.resize(samples, S::spot(Direction::Unloading, Place::at(T::from(0.0))));
         let lowest = path.lowest();
         for r in 0..path.count() {
             if r == 0 {
-                self.begin_main(0, lowest, Direction::Unloading, self.curve.upper);
+                self.begin_main(0, lowest, Direction::Unloading, shape.tip(Direction::Unloading));
             } else if r == lowest {
-                self.begin_main(lowest, 0, Direction::Loading, self.curve.lower);
+                self.begin_main(lowest, 0, Direction::Loading, shape.tip(Direction::Loading));
             } else {
-                self.reverse(path, a, r);
+                self.reverse(shape, path, a, r);
             }
-            self.walk(path, a, path.first_sample(r), path.first_sample(r + 1), samples);
+            self.walk::<S>(path, a, path.first_sample(r), path.first_sample(r + 1), samples);
             self.close_until(path, path.tip(r + 1));
         }
-        self.curve.force.evaluate(&self.units, force);
+        shape.evaluate(&self.spots, force);
         for piece in &self.pieces {
             let Some(branch) = self.branches.get(piece.owner) else { continue };
-            let (curve, sign) = (&self.curve, branch.direction.sign());
+            let sign = branch.direction.sign();
             piece.for_each(force, |f| {
-                *f = branch.force_at_start + branch.ratio * curve.change_to(branch.direction, *f) * sign;
+                *f = branch.force_at_start + branch.ratio * shape.change_to(branch.direction, *f) * sign;
             });
         }
     }
@@ -98,17 +123,17 @@ impl<T: Real> Masing<T> {
     }
 
     /// Starts a minor branch at turning point `r`, towards the start of the branch it interrupts.
-    fn reverse(&mut self, path: &impl Path<T>, a: T, r: usize) {
+    fn reverse(&mut self, shape: &impl Shape<T>, path: &impl Path<T>, a: T, r: usize) {
         let Some((parent, branch)) = self.current() else { return };
         let sign = branch.direction.sign();
         let turn = Place::at((path.tip(r) - path.tip(branch.start)) * sign / a);
-        let change = self.curve.change(branch.direction, turn);
+        let change = shape.change(branch.direction, turn);
         let direction = branch.direction.reversed();
-        let ratio = if self.curve.is_odd() || turn.gone.value() <= 0.0 {
+        let ratio = if shape.is_odd() || turn.gone.value() <= 0.0 {
             branch.ratio
         } else {
             // Ends at the force where the interrupted branch began.
-            branch.ratio * change / self.curve.change(direction, turn)
+            branch.ratio * change / shape.change(direction, turn)
         };
         self.stack.push(self.branches.len());
         self.branches.push(Branch {
@@ -140,7 +165,10 @@ impl<T: Real> Masing<T> {
     }
 
     /// Places samples `first..end` (counted on past a full period) between two turning points on their branches.
-    fn walk(&mut self, path: &impl Path<T>, a: T, first: usize, end: usize, samples: usize) {
+    fn walk<S>(&mut self, path: &impl Path<T>, a: T, first: usize, end: usize, samples: usize)
+    where
+        S: Shape<T, Spot = Spot>,
+    {
         let per_amplitude = T::from(1.0) / a;
         let mut from = first;
         while from < end {
@@ -157,8 +185,8 @@ impl<T: Real> Masing<T> {
                     break;
                 }
                 let here = branch.place(path, per_amplitude, sample);
-                if let Some(unit) = self.units.get_mut(sample) {
-                    *unit = here.unit(branch.direction);
+                if let Some(spot) = self.spots.get_mut(sample) {
+                    *spot = S::spot(branch.direction, here);
                 }
                 j += 1;
             }

@@ -1,4 +1,4 @@
-//! The derivative of a loop force with Masing's memory: a local stiffness on every branch, and the influence of the
+//! The derivative of a force with Masing's memory: a local stiffness on every branch, and the influence of the
 //! turning points that the branch remembers.
 //!
 //! On a branch from turning point s, with σ = ∓1, distance p = σ (w − w_s)/a and ratio λ,
@@ -12,9 +12,9 @@
 //! points, which gives one row of derivatives a branch.
 
 use crate::law::Motion;
-use crate::loop_curve::{Direction, LoopCurve, Place, stiffness};
-use crate::masing::{Branch, Masing};
+use crate::masing::{Branch, Masing, Shape};
 use crate::path::{Path, Piece, SampledPath};
+use crate::place::{Direction, Place};
 use crate::tangent::{Recall, Tangent};
 use crate::turning_points::TurningPoints;
 
@@ -22,14 +22,9 @@ use crate::turning_points::TurningPoints;
 /// errors of both forms, ε/δ and δ, are about equal here.
 const AT_TIP: f64 = 1e-8;
 
-/// |sin θ| below which a sample may be that close to a tip.
-const NEAR_TIP: f64 = 1e-3;
-
 /// Buffers for the derivatives; reused between evaluations.
 #[derive(Debug, Clone)]
 pub(crate) struct MasingTangent {
-    /// ∂c_k/∂a: how the loop changes with its amplitude.
-    pub(crate) growth: LoopCurve<f64>,
     /// ∂f_s/∂w_i, one row a branch.
     force_rows: Vec<f64>,
     /// ∂λ/∂w_i, one row a branch; all zero for odd loops.
@@ -42,18 +37,58 @@ pub(crate) struct MasingTangent {
     at_tips: Vec<(usize, usize, f64)>,
 }
 
-/// κ, g and σ S at one place of a branch.
-struct Local {
-    kappa: f64,
-    amplitude: f64,
-    ratio: f64,
+/// Derivatives of the change S(p; a) at one place of a branch, for λ = 1.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Local {
+    /// S_p / a, the local stiffness.
+    pub(crate) kappa: f64,
+    /// S_a − S_p p / a: influence of the amplitude where the displacement is held.
+    pub(crate) amplitude: f64,
+    /// S itself, influence of the ratio; looked at only where the shape is not odd.
+    pub(crate) change: f64,
+}
+
+/// How a shape's force changes with place and amplitude.
+pub(crate) trait Growth<S: Shape<f64>> {
+    /// Derivatives of the force at the tip where the main branch of this direction begins, with respect to the
+    /// displacements of the upper and the lower tip.
+    fn tip(&self, shape: &S, direction: Direction) -> [f64; 2];
+
+    /// The derivatives at one place, for amplitude `a`.
+    fn local(&self, shape: &S, direction: Direction, place: Place<f64>, a: f64) -> Local;
+
+    /// Raw values at all spots, of which [`Growth::finish`] makes derivatives. Buffers left empty count as zero.
+    fn evaluate(
+        &self,
+        shape: &S,
+        spots: &[S::Spot],
+        kappa: &mut [f64],
+        amplitude: &mut Vec<f64>,
+        change: &mut Vec<f64>,
+    );
+
+    /// The derivatives at a spot from its raw values; on a tip κ stays out.
+    fn finish(
+        &self,
+        shape: &S,
+        direction: Direction,
+        spot: S::Spot,
+        per_amplitude: f64,
+        at_tip: bool,
+        raw: Local,
+    ) -> Local;
+
+    /// Whether a spot is so close to a tip that κ may be infinite there.
+    fn near_tip(spot: S::Spot) -> bool;
+
+    /// dL/dθ at the tip where a branch of this direction begins, in N: what replaces an infinite κ.
+    fn slope_at_tip(&self, shape: &S, direction: Direction) -> f64;
 }
 
 impl MasingTangent {
     /// Empty buffers.
     pub(crate) fn new() -> Self {
         Self {
-            growth: LoopCurve::new(),
             force_rows: Vec::new(),
             ratio_rows: Vec::new(),
             amplitude: Vec::new(),
@@ -62,20 +97,9 @@ impl MasingTangent {
         }
     }
 
-    fn local(&self, curve: &LoopCurve<f64>, branch: &Branch<f64>, here: Place<f64>, a: f64) -> Local {
-        let sigma = branch.direction.sign();
-        let by_place = branch.ratio * curve.stiffness(branch.direction, here) / a;
-        Local {
-            kappa: by_place,
-            amplitude: sigma
-                * (branch.ratio * self.growth.change(branch.direction, here) - by_place * here.gone),
-            ratio: sigma * curve.change(branch.direction, here),
-        }
-    }
-
     /// Derivatives of f_s and λ of every branch with respect to the displacements at the turning points.
-    fn rows(&mut self, period: &Period) {
-        let Period { masing, path, a, count, lowest } = *period;
+    fn rows<S: Shape<f64>, G: Growth<S>>(&mut self, period: &Period<S, G>) {
+        let Period { shape, growth, masing, path, a, count, lowest } = *period;
         self.force_rows.clear();
         self.ratio_rows.clear();
         for (index, branch) in masing.branches.iter().enumerate() {
@@ -83,62 +107,56 @@ impl MasingTangent {
             self.force_rows.resize(own + count, 0.0);
             self.ratio_rows.resize(own + count, 0.0);
             if branch.main {
-                let growth = match branch.direction {
-                    Direction::Unloading => self.growth.upper,
-                    Direction::Loading => self.growth.lower,
-                };
-                add(&mut self.force_rows, own, 0.5 * growth);
-                add(&mut self.force_rows, own + lowest, -0.5 * growth);
+                let [by_top, by_bottom] = growth.tip(shape, branch.direction);
+                add(&mut self.force_rows, own, by_top);
+                add(&mut self.force_rows, own + lowest, by_bottom);
                 continue;
             }
             let Some(parent) = masing.branches.get(branch.parent) else { continue };
             let travelled = (path.tip(branch.start) - path.tip(parent.start)) * parent.direction.sign();
             let turn = Place::at(travelled / a);
-            let local = self.local(&masing.curve, parent, turn, a);
+            let sigma = parent.direction.sign();
+            let local = growth.local(shape, parent.direction, turn, a);
             let theirs = branch.parent * count;
             for i in 0..count {
                 let inherited = value(&self.force_rows, theirs + i);
-                add(
-                    &mut self.force_rows,
-                    own + i,
-                    inherited + local.ratio * value(&self.ratio_rows, theirs + i),
-                );
+                let by_ratio = sigma * local.change * value(&self.ratio_rows, theirs + i);
+                add(&mut self.force_rows, own + i, inherited + by_ratio);
             }
-            add(&mut self.force_rows, own + branch.start, local.kappa);
-            add(&mut self.force_rows, own + parent.start, -local.kappa);
-            add(&mut self.force_rows, own, 0.5 * local.amplitude);
-            add(&mut self.force_rows, own + lowest, -0.5 * local.amplitude);
-            if !masing.curve.is_odd() {
+            let (kappa, amplitude) = (parent.ratio * local.kappa, sigma * parent.ratio * local.amplitude);
+            add(&mut self.force_rows, own + branch.start, kappa);
+            add(&mut self.force_rows, own + parent.start, -kappa);
+            add(&mut self.force_rows, own, 0.5 * amplitude);
+            add(&mut self.force_rows, own + lowest, -0.5 * amplitude);
+            if !shape.is_odd() {
                 self.ratio_row(period, branch, parent, turn, own);
             }
         }
     }
 
     /// λ = λ_parent S_parent(p) / S(p) at the turning point where the branch starts.
-    fn ratio_row(
+    fn ratio_row<S: Shape<f64>, G: Growth<S>>(
         &mut self,
-        period: &Period,
+        period: &Period<S, G>,
         branch: &Branch<f64>,
         parent: &Branch<f64>,
         turn: Place<f64>,
         own: usize,
     ) {
-        let Period { masing, a, count, lowest, .. } = *period;
-        let curve = &masing.curve;
-        let (before, after) = (curve.change(parent.direction, turn), curve.change(branch.direction, turn));
-        if before <= 0.0 || after <= 0.0 {
+        let Period { shape, growth, a, count, lowest, .. } = *period;
+        let before = growth.local(shape, parent.direction, turn, a);
+        let after = growth.local(shape, branch.direction, turn, a);
+        if before.change <= 0.0 || after.change <= 0.0 {
             return;
         }
         for i in 0..count {
             let inherited = value(&self.ratio_rows, branch.parent * count + i);
-            add(&mut self.ratio_rows, own + i, inherited * before / after);
+            add(&mut self.ratio_rows, own + i, inherited * before.change / after.change);
         }
-        let by_place = curve.stiffness(parent.direction, turn) / before
-            - curve.stiffness(branch.direction, turn) / after;
-        let by_growth = self.growth.change(parent.direction, turn) / before
-            - self.growth.change(branch.direction, turn) / after;
-        let by_tip = branch.ratio * by_place * parent.direction.sign() / a;
-        let by_amplitude = branch.ratio * (by_growth - by_place * turn.gone / a);
+        let by_tip = branch.ratio
+            * parent.direction.sign()
+            * (before.kappa / before.change - after.kappa / after.change);
+        let by_amplitude = branch.ratio * (before.amplitude / before.change - after.amplitude / after.change);
         add(&mut self.ratio_rows, own + branch.start, by_tip);
         add(&mut self.ratio_rows, own + parent.start, -by_tip);
         add(&mut self.ratio_rows, own, 0.5 * by_amplitude);
@@ -146,29 +164,22 @@ impl MasingTangent {
     }
 
     /// Fills `tangent` for the period that `masing` was last traced with.
-    pub(crate) fn evaluate(
+    pub(crate) fn evaluate<S: Shape<f64>, G: Growth<S>>(
         &mut self,
-        masing: &Masing<f64>,
+        shape: &S,
+        growth: &G,
+        masing: &Masing<f64, S::Spot>,
         motion: &Motion,
         tips: &TurningPoints,
         tangent: &mut Tangent,
     ) {
         let path = &SampledPath::new(motion, tips);
         let a = tips.amplitude();
-        let period = &Period { masing, path, a, count: path.count(), lowest: path.lowest() };
-        let samples = motion.displacement.len();
+        let period = &Period { shape, growth, masing, path, a, count: path.count(), lowest: path.lowest() };
         tangent.clear();
         self.rows(period);
-        self.amplitude.resize(samples, 0.0);
-        self.ratio.clear();
-        self.ratio.resize(samples, 0.0);
         self.at_tips.clear();
-        // κ first holds dL/dθ, g first dL/da, and σ S first L of every sample.
-        masing.curve.slope.evaluate(&masing.units, &mut tangent.local);
-        self.growth.force.evaluate(&masing.units, &mut self.amplitude);
-        if !masing.curve.is_odd() {
-            masing.curve.force.evaluate(&masing.units, &mut self.ratio);
-        }
+        growth.evaluate(shape, &masing.spots, &mut tangent.local, &mut self.amplitude, &mut self.ratio);
         for piece in &masing.pieces {
             if let Some(branch) = masing.branches.get(piece.owner) {
                 self.piece(period, branch, piece, &mut tangent.local);
@@ -178,39 +189,51 @@ impl MasingTangent {
     }
 
     /// κ, g and σ S of the samples of one piece.
-    fn piece(&mut self, period: &Period, branch: &Branch<f64>, piece: &Piece, kappa: &mut [f64]) {
-        let Period { masing, path, a, .. } = *period;
+    fn piece<S: Shape<f64>, G: Growth<S>>(
+        &mut self,
+        period: &Period<S, G>,
+        branch: &Branch<f64>,
+        piece: &Piece,
+        kappa: &mut [f64],
+    ) {
+        let Period { shape, growth, masing, a, .. } = *period;
         let sigma = branch.direction.sign();
         let per_amplitude = 1.0 / a;
+        let odd = shape.is_odd();
         for j in piece.ranges(kappa.len()).into_iter().flatten() {
-            let z = value(&masing.units, j);
-            let gone = match branch.direction {
-                Direction::Unloading => 1.0 - z.re,
-                Direction::Loading => 1.0 + z.re,
-            };
+            let Some(&spot) = masing.spots.get(j) else { break };
             // The phase is looked at only where the displacement is close to a tip's.
-            let tip = if z.im.abs() < NEAR_TIP { tip_at(path, branch, j) } else { None };
-            let by_place = match tip {
-                None if z.im == 0.0 => 0.0,
-                None => branch.ratio * stiffness(value(kappa, j), z) * per_amplitude,
-                Some(tip) => {
-                    self.at_tips.extend(velocity_influence(period, branch, tip).map(|s| (j, tip, s)));
-                    0.0
-                }
+            let at_tip = G::near_tip(spot) && self.on_tip(period, branch, j);
+            let raw = Local {
+                kappa: value(kappa, j),
+                amplitude: value(&self.amplitude, j),
+                change: if odd { 0.0 } else { value(&self.ratio, j) },
             };
-            set(kappa, j, by_place);
-            let growth = self.growth.change_to(branch.direction, value(&self.amplitude, j));
-            set(&mut self.amplitude, j, sigma * (branch.ratio * growth - by_place * gone));
-            if !masing.curve.is_odd() {
-                let change = masing.curve.change_to(branch.direction, value(&self.ratio, j));
-                set(&mut self.ratio, j, sigma * change);
+            let local = growth.finish(shape, branch.direction, spot, per_amplitude, at_tip, raw);
+            set(kappa, j, branch.ratio * local.kappa);
+            set(&mut self.amplitude, j, sigma * (branch.ratio * local.amplitude));
+            if !odd {
+                set(&mut self.ratio, j, sigma * local.change);
             }
         }
     }
 
+    /// Whether sample `j` sits on a tip; if so, notes the influence of the velocity there.
+    #[cold]
+    fn on_tip<S: Shape<f64>, G: Growth<S>>(
+        &mut self,
+        period: &Period<S, G>,
+        branch: &Branch<f64>,
+        j: usize,
+    ) -> bool {
+        let Some(tip) = tip_at(period.path, branch, j) else { return false };
+        self.at_tips.extend(velocity_influence(period, branch, tip).map(|s| (j, tip, s)));
+        true
+    }
+
     /// Collects the influence of every turning point. In odd motion δw(τ + π) = −δw(τ), so opposite turning points
     /// share one memory.
-    fn remember(&self, period: &Period, odd: bool, tangent: &mut Tangent) {
+    fn remember<S: Shape<f64>, G>(&self, period: &Period<S, G>, odd: bool, tangent: &mut Tangent) {
         let distinct = if odd { period.count / 2 } else { period.count };
         for i in 0..distinct {
             let (kappa, influence) = tangent.remember(Recall::Displacement { tau: period.path.point(i).tau });
@@ -226,7 +249,14 @@ impl MasingTangent {
     }
 
     /// Adds `sign` times the influence of turning point `tip` at every sample.
-    fn add_influence(&self, period: &Period, tip: usize, sign: f64, kappa: &[f64], influence: &mut [f64]) {
+    fn add_influence<S: Shape<f64>, G>(
+        &self,
+        period: &Period<S, G>,
+        tip: usize,
+        sign: f64,
+        kappa: &[f64],
+        influence: &mut [f64],
+    ) {
         let samples = influence.len();
         let by_amplitude = match tip {
             0 => 0.5,
@@ -253,8 +283,10 @@ impl MasingTangent {
 }
 
 /// One traced period, for reading.
-struct Period<'a> {
-    masing: &'a Masing<f64>,
+struct Period<'a, S: Shape<f64>, G> {
+    shape: &'a S,
+    growth: &'a G,
+    masing: &'a Masing<f64, S::Spot>,
     path: &'a SampledPath<'a>,
     a: f64,
     count: usize,
@@ -272,7 +304,11 @@ fn tip_at(path: &SampledPath, branch: &Branch<f64>, j: usize) -> Option<usize> {
 
 /// Influence of the velocity at turning point `tip` on the force there: `δf = ∓ λ L_θ δẇ / √(a |ẅ|)`, minus at an upper
 /// one. `None` where the branch has no rounded end.
-fn velocity_influence(period: &Period, branch: &Branch<f64>, tip: usize) -> Option<f64> {
+fn velocity_influence<S: Shape<f64>, G: Growth<S>>(
+    period: &Period<S, G>,
+    branch: &Branch<f64>,
+    tip: usize,
+) -> Option<f64> {
     if tip != branch.start && !branch.main {
         return None;
     }
@@ -281,7 +317,7 @@ fn velocity_influence(period: &Period, branch: &Branch<f64>, tip: usize) -> Opti
     if acceleration == 0.0 {
         return None;
     }
-    let slope = period.masing.curve.slope_at_tip(from_here);
+    let slope = period.growth.slope_at_tip(period.shape, from_here);
     Some(from_here.sign() * branch.ratio * slope / (period.a * acceleration).sqrt())
 }
 

@@ -18,6 +18,8 @@ pub(crate) trait Real:
     fn value(self) -> f64;
     /// √x.
     fn sqrt(self) -> Self;
+    /// ln(1 + x).
+    fn ln_1p(self) -> Self;
 }
 
 impl Real for f64 {
@@ -30,6 +32,11 @@ impl Real for f64 {
     fn sqrt(self) -> Self {
         f64::sqrt(self)
     }
+
+    #[inline(always)]
+    fn ln_1p(self) -> Self {
+        f64::ln_1p(self)
+    }
 }
 
 #[cfg(test)]
@@ -40,5 +47,9 @@ impl Real for num_dual::Dual64 {
 
     fn sqrt(self) -> Self {
         num_dual::DualNum::sqrt(&self)
+    }
+
+    fn ln_1p(self) -> Self {
+        num_dual::DualNum::ln_1p(&self)
     }
 }

@@ -39,6 +39,17 @@ pub enum Symmetry {
     Full,
 }
 
+impl Symmetry {
+    /// Whether a loop of this even content and noise (relative to |F_1|) counts as odd.
+    pub(crate) fn is_odd(self, even_content: f64, noise: f64) -> bool {
+        match self {
+            Self::Auto => even_content <= noise.max(EVEN_CONTENT_LIMIT),
+            Self::Odd => true,
+            Self::Full => even_content == 0.0,
+        }
+    }
+}
+
 /// A measured loop scaled to the current amplitude.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScaledLoop {
@@ -72,11 +83,7 @@ impl ScaledLoop {
     ) -> Result<Self, ParameterError> {
         magnitude.check()?;
         phase.check()?;
-        let odd = match symmetry {
-            Symmetry::Auto => measured.even_content() <= noise.max(EVEN_CONTENT_LIMIT),
-            Symmetry::Odd => true,
-            Symmetry::Full => measured.even_content() == 0.0,
-        };
+        let odd = symmetry.is_odd(measured.even_content(), noise);
         let dissipative = measured.coefficients().get(1).map_or(0.0, |c| c.im);
         if dissipative <= 0.0 {
             return Err(ParameterError::new(
@@ -176,7 +183,7 @@ impl Law for ScaledLoop {
         workspace: &mut Workspace,
         force: &mut [f64],
     ) -> Result<Marks, LawError> {
-        let Workspace { turning_points: tips, masing, masing_tangent, .. } = workspace;
+        let Workspace { turning_points: tips, masing, curve, growth, .. } = workspace;
         tips.find(motion)?;
         let a = tips.amplitude();
         let alpha = a / self.reference_displacement;
@@ -184,15 +191,15 @@ impl Law for ScaledLoop {
             return Err(LawError::NegativeMagnitude { alpha });
         }
         let (first, derivative) = self.first(alpha);
-        masing.curve.set(self.coefficients(first), self.odd);
-        masing_tangent.growth.set(self.coefficients(derivative / self.reference_displacement), self.odd);
-        masing.trace(&SampledPath::new(motion, tips), a, force);
+        curve.set(self.coefficients(first), self.odd);
+        growth.set(self.coefficients(derivative / self.reference_displacement), self.odd);
+        masing.trace(curve, &SampledPath::new(motion, tips), a, force);
         Ok(self.marks(a))
     }
 
     fn tangent<'w>(&self, motion: &Motion, workspace: &'w mut Workspace) -> &'w Tangent {
-        let Workspace { turning_points, masing, masing_tangent, tangent, .. } = workspace;
-        masing_tangent.evaluate(masing, motion, turning_points, tangent);
+        let Workspace { turning_points, curve, growth, masing, masing_tangent, tangent, .. } = workspace;
+        masing_tangent.evaluate(curve, growth, masing, motion, turning_points, tangent);
         tangent
     }
 

@@ -12,11 +12,13 @@ use crate::error::{NOT_YET, SceneError};
 use crate::json::below;
 use crate::loops::{self, MeasuredLoop};
 use crate::read::{Node, Object, suggestion};
+use crate::{iwan, loop_family};
 
 /// Laws that exist.
-pub(crate) const LAWS: [&str; 4] = ["scaled_loop", "elastic_coulomb", "cubic", "linear"];
+pub(crate) const LAWS: [&str; 6] =
+    ["scaled_loop", "loop_family", "elastic_coulomb", "iwan", "cubic", "linear"];
 /// Laws that are planned.
-pub(crate) const PLANNED: [&str; 3] = ["loop_family", "iwan", "coulomb"];
+pub(crate) const PLANNED: [&str; 1] = ["coulomb"];
 
 pub(crate) const SCALED_LOOP_KEYS: [&str; 5] = ["type", "loop", "magnitude", "phase", "symmetric"];
 pub(crate) const ELASTIC_COULOMB_KEYS: [&str; 3] = ["type", "stiffness", "slip_force"];
@@ -34,7 +36,9 @@ pub(crate) struct ReadLaw {
 pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
     let Some(kind) = node.peek("type") else {
         // Says that it is no object, or that the type is missing.
-        let any = [&SCALED_LOOP_KEYS[..], &ELASTIC_COULOMB_KEYS, &SPRING_KEYS].concat();
+        let any =
+            [&SCALED_LOOP_KEYS[..], &ELASTIC_COULOMB_KEYS, &SPRING_KEYS, &loop_family::KEYS, &iwan::KEYS]
+                .concat();
         node.object("type and its parameters", &any)?;
         let types = LAWS.map(|law| format!("{law:?}")).join(", ");
         return Err(SceneError::entry(
@@ -45,6 +49,8 @@ pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
     let name = kind.text("the name of a law")?;
     let law: Arc<dyn Law> = match name {
         "scaled_loop" => return scaled_loop(&node.object("a scaled loop", &SCALED_LOOP_KEYS)?, base),
+        "loop_family" => return loop_family::read(node, base),
+        "iwan" => Arc::new(iwan::read(node)?),
         "elastic_coulomb" => {
             let law = node.object("elastic Coulomb friction", &ELASTIC_COULOMB_KEYS)?;
             let stiffness = law.need("stiffness", "1e6, in N/m")?.number()?;
@@ -81,20 +87,14 @@ pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
     Ok(ReadLaw { law, notes: Vec::new() })
 }
 
-fn refused(path: &str, error: ParameterError) -> SceneError {
-    SceneError::entry(&below(path, error.key), error.problem)
+pub(crate) fn refused(path: &str, error: ParameterError) -> SceneError {
+    SceneError::entry(&below(path, &error.key), error.problem)
 }
 
 fn scaled_loop(law: &Object, base: &Path) -> Result<ReadLaw, SceneError> {
     let magnitude = law.get("magnitude").map_or(Ok(MagnitudeLaw::default()), |node| read_magnitude(&node))?;
     let phase = law.get("phase").map_or(Ok(PhaseLaw::default()), |node| read_phase(&node))?;
-    let symmetry = law.get("symmetric").map_or(Ok(Symmetry::Auto), |node| match node.flag() {
-        Some(true) => Ok(Symmetry::Odd),
-        Some(false) => Ok(Symmetry::Full),
-        None => node
-            .choice(&[("auto", Symmetry::Auto)])
-            .map_err(|_| node.error("must be \"auto\", true or false")),
-    })?;
+    let symmetry = read_symmetry(law)?;
     let place = |error: ParameterError| refused(law.path(), error);
     let form = "{\"file\": \"record.csv\"} or {\"displacement\": 8e-6, \"force\": 12.0}";
     match loops::read(&law.need("loop", form)?, base)? {
@@ -111,7 +111,18 @@ fn scaled_loop(law: &Object, base: &Path) -> Result<ReadLaw, SceneError> {
     }
 }
 
-fn read_magnitude(node: &Node) -> Result<MagnitudeLaw, SceneError> {
+/// `symmetric` of a law of measured loops.
+pub(crate) fn read_symmetry(law: &Object) -> Result<Symmetry, SceneError> {
+    law.get("symmetric").map_or(Ok(Symmetry::Auto), |node| match node.flag() {
+        Some(true) => Ok(Symmetry::Odd),
+        Some(false) => Ok(Symmetry::Full),
+        None => node
+            .choice(&[("auto", Symmetry::Auto)])
+            .map_err(|_| node.error("must be \"auto\", true or false")),
+    })
+}
+
+pub(crate) fn read_magnitude(node: &Node) -> Result<MagnitudeLaw, SceneError> {
     let law = node.object("offset, slope, shift of eq. (6)", &MAGNITUDE_KEYS)?;
     let paper = MagnitudeLaw::default();
     let number = |key: &str, default: f64| law.get(key).map_or(Ok(default), |node| node.number());

@@ -144,15 +144,7 @@ fn read_unit<U: std::str::FromStr<Err: std::fmt::Display>>(
 /// What a user should know about a loop under the paper's law.
 pub(crate) fn notes(measured: &Loop, law: &ScaledLoop) -> Vec<String> {
     let mut notes = Vec::new();
-    let even = measured.even_content();
-    if even > 0.0 {
-        let what = if law.nature().odd {
-            "is taken out (\"symmetric\": false keeps it)"
-        } else {
-            "is kept, so even harmonics and the mean are solved for (\"symmetric\": true takes it out)"
-        };
-        notes.push(format!("the loop's even content, {:.2} % of |F_1|, {what}", 100.0 * even));
-    }
+    notes.extend(even_note("the loop's", measured.even_content(), law.nature().odd));
     let mismatch = law.phase_mismatch();
     if mismatch.abs() > PHASE_MISMATCH {
         notes.push(format!(
@@ -162,4 +154,14 @@ pub(crate) fn notes(measured: &Loop, law: &ScaledLoop) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// What becomes of even harmonics, when there are any.
+pub(crate) fn even_note(whose: &str, even: f64, odd: bool) -> Option<String> {
+    let what = if odd {
+        "is taken out (\"symmetric\": false keeps it)"
+    } else {
+        "is kept, so even harmonics and the mean are solved for (\"symmetric\": true takes it out)"
+    };
+    (even > 0.0).then(|| format!("{whose} even content, {:.2} % of |F_1|, {what}", 100.0 * even))
 }

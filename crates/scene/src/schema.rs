@@ -9,7 +9,7 @@ mod tests {
     use serde_json::Value;
 
     use super::SCHEMA;
-    use crate::{contacts, excitation, frequencies, law, loops, model, scene, solver};
+    use crate::{contacts, excitation, frequencies, iwan, law, loop_family, loops, model, scene, solver};
 
     /// Properties of a definition, or of the scene itself, without remarks.
     fn properties(definition: &str) -> Vec<String> {
@@ -30,6 +30,8 @@ mod tests {
             ("excitation", &excitation::KEYS),
             ("contact", &contacts::KEYS),
             ("scaled_loop", &law::SCALED_LOOP_KEYS),
+            ("loop_family", &loop_family::KEYS),
+            ("iwan", &iwan::KEYS),
             ("elastic_coulomb", &law::ELASTIC_COULOMB_KEYS),
             ("cubic", &law::SPRING_KEYS),
             ("linear", &law::SPRING_KEYS),

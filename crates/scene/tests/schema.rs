@@ -45,6 +45,7 @@ fn schema_and_reader_agree() {
         "frequencies": [10.0]
     });
     let law = |law: Value| ("/contacts/0/law", law);
+    let series = |a: f64| json!({ "displacement": a, "harmonics": [[1, 1, 2], [3, 0, 0.1]] });
     let cases = [
         (true, "/excitation", json!([])),
         (true, "/contacts", json!([])),
@@ -95,7 +96,19 @@ fn schema_and_reader_agree() {
         (true, law(json!({ "type": "elastic_coulomb", "stiffness": 1, "slip_force": 1 }))),
         (false, law(json!({ "type": "elastic_coulomb", "stiffness": 1, "slip_force": 0 }))),
         (false, law(json!({ "type": "elastic_coulomb", "stiffness": 1 }))),
+        (true, law(json!({ "type": "iwan", "displacement": 8e-6, "force": 12, "range": 1, "sliders": 20 }))),
+        (true, law(json!({ "type": "iwan", "backbone": [[0, 0], [1e-6, 1], [2e-6, 1.5]] }))),
         (false, law(json!({ "type": "iwan" }))),
+        (false, law(json!({ "type": "iwan", "displacement": 8e-6 }))),
+        (false, law(json!({ "type": "iwan", "displacement": 8e-6, "force": 12, "sliders": 0 }))),
+        (false, law(json!({ "type": "iwan", "backbone": [[1, 1], [2, 1]], "range": 1 }))),
+        (false, law(json!({ "type": "iwan", "backbone": [[1, 1], [2]] }))),
+        (true, law(json!({ "type": "loop_family", "loops": [series(1e-6), series(2e-6)] }))),
+        (false, law(json!({ "type": "loop_family", "loops": [series(1e-6)] }))),
+        (
+            false,
+            law(json!({ "type": "loop_family", "loops": [series(1e-6), { "displacement": 1, "force": 1 }] })),
+        ),
         (false, law(json!({ "stiffness": 1 }))),
     ];
     let laws = laws.into_iter().map(|(good, (place, value))| (good, place, value));
