@@ -1,11 +1,12 @@
 //! Elastic Coulomb friction (Jenkins element): a spring in series with a slider that slips at a constant force.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{LawError, ParameterError};
+use crate::events::{ForcePiece, PiecewiseLinear, crossing};
 use crate::law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 use crate::masing::wrap;
 use crate::path::{Path, Piece, SampledPath};
@@ -197,6 +198,10 @@ impl Law for ElasticCoulomb {
     fn describing_function(&self) -> Option<&dyn DescribingFunction> {
         Some(self)
     }
+
+    fn piecewise_linear(&self) -> Option<&dyn PiecewiseLinear> {
+        Some(self)
+    }
 }
 
 impl ElasticCoulomb {
@@ -225,6 +230,69 @@ impl ElasticCoulomb {
 /// W_0 in m.
 fn mean(motion: &Motion) -> f64 {
     motion.spectrum.first().map_or(0.0, |mean| mean.re)
+}
+
+impl PiecewiseLinear for ElasticCoulomb {
+    /// Slip of sign s ends at a turning point. The next one begins where the spring force, counted from there, reaches
+    /// ±F_s: −s after 2 x_c, or s again when the displacement comes back to the turning point.
+    fn pieces(
+        &self,
+        motion: &Motion,
+        workspace: &mut Workspace,
+        pieces: &mut Vec<ForcePiece>,
+    ) -> Result<Marks, LawError> {
+        let tips = &mut workspace.turning_points;
+        pieces.clear();
+        match tips.find(motion) {
+            Err(LawError::NoMotion) => return Ok(self.marks(0.0)),
+            found => found?,
+        }
+        let (k, xc) = (self.stiffness, self.slip_displacement());
+        let path = SampledPath::new(motion, tips);
+        let count = path.count();
+        if tips.amplitude() <= xc {
+            let (mean, lowest) = (mean(motion), path.lowest());
+            let (slider, recall) = match self.slider(mean, path.tip(0), path.tip(lowest)) {
+                Slider::Mean => (mean, Recall::Mean),
+                Slider::BelowTop => (path.tip(0) - xc, Recall::Displacement { tau: path.point(0).tau }),
+                Slider::AboveBottom => {
+                    (path.tip(lowest) + xc, Recall::Displacement { tau: path.point(lowest).tau })
+                }
+            };
+            let memory = (!motion.odd).then_some((recall, -k));
+            pieces.push(ForcePiece { from: 0.0, to: TAU, stiffness: k, offset: -k * slider, memory });
+            return Ok(self.marks(tips.amplitude()));
+        }
+        let distinct = if motion.odd { count / 2 } else { count };
+        let (mut anchor, mut anchored) = (0, self.slip_force);
+        for r in 0..count {
+            let limit = if r % 2 == 1 { self.slip_force } else { -self.slip_force };
+            let (start, mut end) = (path.point(r), path.point(r + 1));
+            if r + 1 == count {
+                end.tau += TAU;
+            }
+            let offset = anchored - k * path.tip(anchor);
+            let slips = (k * end.displacement + offset - limit) * limit > 0.0;
+            let onset =
+                if slips { crossing(motion.spectrum, start, end, (limit - offset) / k) } else { end.tau };
+            // In odd motion δw(τ + π) = −δw(τ): opposite turning points share one memory.
+            let tau = path.point(anchor % distinct).tau;
+            let strength = if anchor % (2 * distinct) < distinct { -k } else { k };
+            let memory = Some((Recall::Displacement { tau }, strength));
+            pieces.push(ForcePiece { from: start.tau, to: onset, stiffness: k, offset, memory });
+            if slips {
+                pieces.push(ForcePiece {
+                    from: onset,
+                    to: end.tau,
+                    stiffness: 0.0,
+                    offset: limit,
+                    memory: None,
+                });
+                (anchor, anchored) = (r + 1, limit);
+            }
+        }
+        Ok(self.marks(tips.amplitude()))
+    }
 }
 
 impl DescribingFunction for ElasticCoulomb {

@@ -5,6 +5,7 @@ use std::fmt;
 use num_complex::Complex64;
 
 use crate::error::LawError;
+use crate::events::PiecewiseLinear;
 use crate::loop_curve::LoopCurve;
 use crate::masing::Masing;
 use crate::masing_tangent::MasingTangent;
@@ -151,6 +152,11 @@ pub trait Law: Send + Sync + fmt::Debug {
 
     /// The closed form for one harmonic, where the law has one.
     fn describing_function(&self) -> Option<&dyn DescribingFunction> {
+        None
+    }
+
+    /// The force by its events, where it is piecewise linear in the displacement.
+    fn piecewise_linear(&self) -> Option<&dyn PiecewiseLinear> {
         None
     }
 

@@ -29,13 +29,13 @@ pub struct TurningPoints {
 
 /// w, dw/dτ and d²w/dτ² at one phase.
 #[derive(Clone, Copy)]
-struct Jet {
-    displacement: f64,
-    velocity: f64,
+pub(crate) struct Jet {
+    pub(crate) displacement: f64,
+    pub(crate) velocity: f64,
     acceleration: f64,
 }
 
-fn jet(spectrum: &[Complex64], tau: f64) -> Jet {
+pub(crate) fn jet(spectrum: &[Complex64], tau: f64) -> Jet {
     let step = Complex64::cis(tau);
     let mut wave = Complex64::ONE;
     let (mut w, mut v, mut a) = (0.0, 0.0, 0.0);

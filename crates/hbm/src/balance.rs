@@ -1,4 +1,4 @@
-//! Residual and Jacobian of the balance by alternating frequency–time evaluation of the contact forces.
+//! Residual and Jacobian of the balance: contact forces at samples (alternating frequency–time), or by their events.
 //!
 //! The Jacobian is structured (tangent + memory): with the two-sided coefficients `K_q` of the local stiffness κ(τ)
 //! and the one-sided ones `S_{r,p}` of each memory's influence,
@@ -10,6 +10,7 @@
 use contact::{LawError, Marks, Motion, Recall};
 use faer::{Mat, c64};
 
+use crate::pieces::PieceSeries;
 use crate::point::Point;
 use crate::problem::Contact;
 use crate::transform::{Buffers, Transform};
@@ -38,6 +39,8 @@ pub(crate) struct Balance<'a> {
     pub(crate) orders: &'a [usize],
     pub(crate) odd: bool,
     pub(crate) transform: &'a Transform,
+    /// Piecewise linear laws are evaluated by their events instead of at samples.
+    pub(crate) exact: bool,
 }
 
 /// Buffers of one contact.
@@ -49,6 +52,8 @@ struct ContactBuffers {
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     force: Vec<f64>,
+    /// The force by its events, where no samples are needed.
+    events: PieceSeries,
     marks: Option<Marks>,
 }
 
@@ -93,6 +98,7 @@ impl Balance<'_> {
             displacement: vec![0.0; samples],
             velocity: vec![0.0; samples],
             force: vec![0.0; samples],
+            events: PieceSeries::default(),
             marks: None,
         };
         let entries = self.orders.len() * self.contacts.len();
@@ -153,20 +159,34 @@ impl Balance<'_> {
             contact.spectrum[order] = unknowns[slot * width + row] * point.length[row];
         }
         let spectrum = contact.spectrum.iter().copied();
-        self.transform.to_time(spectrum.clone(), &mut contact.displacement, &mut buffers.fft);
-        let velocity = spectrum.enumerate().map(|(k, w)| c64::new(-w.im, w.re) * k as f64);
+        let velocity = spectrum.clone().enumerate().map(|(k, w)| c64::new(-w.im, w.re) * k as f64);
         self.transform.to_time(velocity, &mut contact.velocity, &mut buffers.fft);
+        let events = law.piecewise_linear().filter(|_| self.exact);
+        if events.is_none() {
+            self.transform.to_time(spectrum, &mut contact.displacement, &mut buffers.fft);
+        }
         let motion = Motion {
             spectrum: &contact.spectrum,
             displacement: &contact.displacement,
             velocity: &contact.velocity,
             odd: self.odd,
         };
-        contact.marks = Some(law.force(&motion, &mut contact.law, &mut contact.force)?);
-        let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
-        for (slot, &order) in self.orders.iter().enumerate().take(slots) {
-            let one_sided = if order == 0 { 1.0 } else { 2.0 };
-            buffers.forces[slot * width + row] = coefficients[order] * (one_sided * scale / point.force[row]);
+        let unit = scale / point.force[row];
+        if let Some(events) = events {
+            contact.marks = Some(events.pieces(&motion, &mut contact.law, &mut contact.events.pieces)?);
+            let orders = &self.orders[..slots];
+            contact.events.integrate(orders.last().copied().unwrap_or(0));
+            for slot in 0..slots {
+                buffers.forces[slot * width + row] =
+                    contact.events.force(&contact.spectrum, orders, slot) * unit;
+            }
+        } else {
+            contact.marks = Some(law.force(&motion, &mut contact.law, &mut contact.force)?);
+            let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
+            for (slot, &order) in self.orders.iter().enumerate().take(slots) {
+                let one_sided = if order == 0 { 1.0 } else { 2.0 };
+                buffers.forces[slot * width + row] = coefficients[order] * (one_sided * unit);
+            }
         }
         if homotopy.secant > 0.0 {
             for (slot, &order) in self.orders.iter().enumerate().take(slots) {
@@ -258,29 +278,32 @@ impl Balance<'_> {
     /// Fourier coefficients of the tangent of contact `index`.
     fn transform_tangent(&self, slots: usize, index: usize, buffers: &mut BalanceBuffers) {
         let contact = &mut buffers.contacts[index];
+        let law = &self.contacts[index].law;
+        buffers.influence.clear();
+        buffers.recall.clear();
+        let orders = &self.orders[..slots];
+        if self.exact && law.piecewise_linear().is_some() {
+            let series = contact.events.stiffness();
+            buffers.local[..series.len()].copy_from_slice(series);
+            contact.events.memories(orders, |recall, order, influence| {
+                buffers.influence.push(influence);
+                buffers.recall.push(recalled(recall, order));
+            });
+            return;
+        }
         let motion = Motion {
             spectrum: &contact.spectrum,
             displacement: &contact.displacement,
             velocity: &contact.velocity,
             odd: self.odd,
         };
-        let tangent = self.contacts[index].law.tangent(&motion, &mut contact.law);
+        let tangent = law.tangent(&motion, &mut contact.law);
         buffers.local.copy_from_slice(self.transform.to_coefficients(&tangent.local, &mut buffers.fft));
-        buffers.influence.clear();
-        buffers.recall.clear();
         for memory in tangent.memories() {
             let coefficients = self.transform.to_coefficients(&memory.influence, &mut buffers.fft);
-            for &order in self.orders.iter().take(slots) {
-                let one_sided = if order == 0 { 1.0 } else { 2.0 };
-                buffers.influence.push(coefficients[order] * one_sided);
-                let k = order as f64;
-                buffers.recall.push(match memory.recall {
-                    // Re(δW e^{ikτ}) and Re(ik δW e^{ikτ}).
-                    Recall::Displacement { tau } => ((k * tau).cos(), -(k * tau).sin()),
-                    Recall::Velocity { tau } => (-k * (k * tau).sin(), -k * (k * tau).cos()),
-                    Recall::Mean => (if order == 0 { 1.0 } else { 0.0 }, 0.0),
-                });
-            }
+            let one_sided = |order: usize| if order == 0 { 1.0 } else { 2.0 };
+            buffers.influence.extend(orders.iter().map(|&order| coefficients[order] * one_sided(order)));
+            buffers.recall.extend(orders.iter().map(|&order| recalled(memory.recall, order)));
         }
     }
 
@@ -322,5 +345,16 @@ impl Balance<'_> {
             by_im += influence * im;
         }
         (by_re, by_im)
+    }
+}
+
+/// What a functional makes of harmonic `order`: the coefficients of Re δW and Im δW.
+fn recalled(recall: Recall, order: usize) -> (f64, f64) {
+    let k = order as f64;
+    match recall {
+        // Re(δW e^{ikτ}) and Re(ik δW e^{ikτ}).
+        Recall::Displacement { tau } => ((k * tau).cos(), -(k * tau).sin()),
+        Recall::Velocity { tau } => (-k * (k * tau).sin(), -k * (k * tau).cos()),
+        Recall::Mean => (if order == 0 { 1.0 } else { 0.0 }, 0.0),
     }
 }

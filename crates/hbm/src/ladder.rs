@@ -282,3 +282,66 @@ impl SplitMix {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use contact::{ElasticCoulomb, ElasticCoulombParameters};
+    use faer::mat;
+
+    use super::*;
+    use crate::{Contact, Damping, Excitation, ExcitationKind, Model, Problem, Settings};
+
+    /// Two masses with an elastic Coulomb contact that sticks and slips with interior reversals at 57 Hz, where a ladder
+    /// judged by residuals alone fails.
+    fn hard_plan() -> Plan {
+        let parameters = ElasticCoulombParameters { stiffness: 6.705e6, slip_force: 6.705e6 * 2.232e-6 };
+        let law = Arc::new(ElasticCoulomb::new(parameters).unwrap());
+        let problem = Problem {
+            model: Model::new(
+                mat![[3.98, 0.0], [0.0, 1.27]],
+                Damping::Matrix(mat![[24.0, 0.0], [0.0, 24.0]]),
+                mat![[8.2e5, -4.1e5], [-4.1e5, 4.1e5]],
+            )
+            .unwrap(),
+            excitation: vec![Excitation {
+                dof: 1,
+                harmonic: 1,
+                amplitude: 9.1,
+                phase: 0.0,
+                kind: ExcitationKind::Force,
+            }],
+            contacts: vec![Contact { name: "root".into(), first: 0, second: None, law, scale: 1.0 }],
+            output: vec![0],
+        };
+        Plan::new(&problem, &Settings::new(7)).unwrap()
+    }
+
+    /// Each way around a failed ladder reaches a solution by itself, and all reach the same.
+    #[test]
+    fn every_fallback_solves_a_hard_point() {
+        let plan = hard_plan();
+        let mut ws = plan.workspace();
+        let solution = plan.solve(57.0, &mut ws);
+        assert!(solution.status.solved());
+        let expected = solution.contacts[0].displacement.clone();
+        let fallbacks: [(&str, fn(&Plan, &mut Workspace) -> Outcome); 4] = [
+            ("secant", Plan::secant_homotopy),
+            ("contact", Plan::contact_homotopy),
+            ("excitation", Plan::excitation_homotopy),
+            ("detour", |plan, ws| plan.detour(57.0, ws)),
+        ];
+        for (name, fallback) in fallbacks {
+            plan.structure.condense(57.0, &mut ws.condensed).unwrap();
+            ws.point.set(&ws.condensed, &plan.contacts, plan.slots(), &[false]);
+            ws.unknowns.fill(c64::ZERO);
+            let outcome = fallback(&plan, &mut ws);
+            assert!(outcome.converged, "{name}");
+            for (unknown, w) in ws.unknowns.iter().zip(&expected) {
+                let error = (unknown * ws.point.length[0] - w).norm() / expected[0].norm();
+                assert!(error < 1e-9, "{name}: {error:e}");
+            }
+        }
+    }
+}

@@ -18,6 +18,7 @@ mod holding;
 mod ladder;
 mod model;
 mod newton;
+mod pieces;
 mod plan;
 mod point;
 mod problem;

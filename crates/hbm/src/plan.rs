@@ -28,8 +28,12 @@ pub struct PlanFacts {
     pub scalar_start: bool,
     /// No contact law needs iteration.
     pub linear: bool,
-    /// Samples a period; 0 where forces come in closed form.
+    /// Samples a period; 0 where forces need none.
     pub samples: usize,
+    /// Contacts whose force is evaluated by its events, without sampling error.
+    pub event_exact: usize,
+    /// A number of samples was asked for, which piecewise linear laws would not need.
+    pub sampled_on_request: bool,
     /// Harmonics of Ω up to which each rung of the ladder goes, the last being N.
     pub ladder: Vec<usize>,
     /// Dofs that carry no contact and are condensed away.
@@ -55,6 +59,8 @@ pub struct Plan {
     pub(crate) rungs: Vec<Rung>,
     pub(crate) settings: Settings,
     pub(crate) linear: bool,
+    /// Piecewise linear laws are evaluated by their events.
+    pub(crate) exact: bool,
     pub(crate) scalar: bool,
     pub(crate) scalar_start: bool,
     condensed_dofs: usize,
@@ -113,10 +119,17 @@ impl Plan {
             _ => false,
         } && !linear;
         let scalar = scalar_start && harmonics.highest() == 1 && settings.start == Start::Ladder;
+        // Asking for a number of samples asks for samples.
+        let exact = settings.samples.is_none();
         let rungs = ladder(&harmonics)
             .into_iter()
             .map(|n| {
-                let asked = contacts.iter().map(|c| c.law.samples(n)).max().unwrap_or(0).max(4 * (n + 1));
+                let needed = |c: &Contact| match c.law.piecewise_linear().filter(|_| exact) {
+                    // Only to see between which samples the velocity changes sign.
+                    Some(_) => 8 * (n + 1),
+                    None => c.law.samples(n),
+                };
+                let asked = contacts.iter().map(needed).max().unwrap_or(0);
                 let samples = settings.samples.unwrap_or(asked).max(4 * (n + 1)).next_power_of_two();
                 Rung { slots: harmonics.up_to(n), transform: Transform::new(samples) }
             })
@@ -129,6 +142,7 @@ impl Plan {
             rungs,
             settings: settings.clone(),
             linear,
+            exact,
             scalar,
             scalar_start,
             condensed_dofs: problem.model.dofs() - carrying.len(),
@@ -144,7 +158,10 @@ impl Plan {
 
     /// What the plan uses and what it leaves out.
     pub fn facts(&self) -> PlanFacts {
-        let sampled = !self.scalar && !self.linear;
+        let iterated = !self.scalar && !self.linear;
+        let by_events = |c: &&Contact| iterated && self.exact && c.law.piecewise_linear().is_some();
+        let event_exact = self.contacts.iter().filter(by_events).count();
+        let sampled = iterated && event_exact < self.contacts.len();
         let last = self.rungs.last();
         PlanFacts {
             fundamental: self.harmonics.fundamental,
@@ -153,6 +170,8 @@ impl Plan {
             scalar_start: self.scalar_start,
             linear: self.linear,
             samples: if sampled { last.map_or(0, |rung| rung.transform.samples()) } else { 0 },
+            event_exact,
+            sampled_on_request: !self.exact,
             ladder: self
                 .rungs
                 .iter()
@@ -179,6 +198,7 @@ impl Plan {
             orders: &self.harmonics.reduced,
             odd: self.harmonics.odd,
             transform: &self.rungs[rung].transform,
+            exact: self.exact,
         }
     }
 

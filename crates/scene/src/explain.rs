@@ -30,6 +30,7 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
         even_harmonics(&facts),
         condensation(&facts, scene.output().len()),
         transforms(&facts),
+        events(&facts),
     ];
     steps.extend(iteration(&facts, settings.jacobian));
     steps.extend(start(&facts, settings.start, n));
@@ -52,7 +53,6 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     for (what, instead) in [
         ("continuation through folds", "each frequency is solved on its own"),
         ("as many harmonics as each point needs", "every point has the harmonics of the scene"),
-        ("event-exact forces", "forces come in closed form or from samples"),
         ("slaved high harmonics", "all harmonics are solved together"),
         ("estimate of the truncation error", "compare with a larger --harmonics"),
     ] {
@@ -100,9 +100,28 @@ fn transforms(facts: &PlanFacts) -> Step {
     } else if facts.scalar {
         step(what, false, "one harmonic: the law has a closed form (describing function)")
     } else if facts.samples == 0 {
-        step(what, false, "the forces come in closed form")
+        step(
+            what,
+            false,
+            "all laws are piecewise linear: their forces come from their events, without sampling error",
+        )
     } else {
         step(what, true, format!("forces are evaluated at {} instants of a period", facts.samples))
+    }
+}
+
+fn events(facts: &PlanFacts) -> Step {
+    let what = "event-exact force";
+    match facts.event_exact {
+        0 if facts.scalar || facts.linear => step(what, false, "no force has to be evaluated in time"),
+        0 if facts.sampled_on_request => step(what, false, "the scene asks for samples (solver.samples)"),
+        0 => step(what, false, "no law is piecewise linear"),
+        1 => step(what, true, "1 contact has a piecewise linear law: exact integrals between its events"),
+        count => step(
+            what,
+            true,
+            format!("{count} contacts have piecewise linear laws: exact integrals between events"),
+        ),
     }
 }
 

@@ -1,0 +1,71 @@
+//! Forces that are piecewise linear in the displacement, by their events: no samples, no sampling error.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+
+use crate::error::LawError;
+use crate::law::{Marks, Motion, Workspace};
+use crate::tangent::Recall;
+use crate::turning_points::{TurningPoint, jet};
+
+/// A stretch of the period on which an element of the contact has the force `f(τ) = stiffness · w(τ) + offset`. The
+/// stretches of several elements in parallel may overlap: their forces add up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForcePiece {
+    /// Phase at which it begins, in rad.
+    pub from: f64,
+    /// Phase at which it ends, in rad, not below `from`.
+    pub to: f64,
+    /// In N/m: zero while slipping.
+    pub stiffness: f64,
+    /// In N.
+    pub offset: f64,
+    /// What the offset depends on, and how strongly (N/m): the displacement at the turning point where the last slip
+    /// ended.
+    pub memory: Option<(Recall, f64)>,
+}
+
+/// A law whose force is piecewise linear in the displacement. Its harmonics and their derivatives are then closed
+/// expressions of the events' phases; the phases themselves need no derivative, since the force is continuous there.
+pub trait PiecewiseLinear {
+    /// The pieces of one period of `motion`, into `pieces`. Only spectrum and velocity samples of the motion are used.
+    ///
+    /// # Errors
+    /// [`LawError`] when the motion has no force under this law.
+    fn pieces(
+        &self,
+        motion: &Motion,
+        workspace: &mut Workspace,
+        pieces: &mut Vec<ForcePiece>,
+    ) -> Result<Marks, LawError>;
+}
+
+/// Phase at which the displacement passes `level` on its way from one turning point to the next: Newton's method kept
+/// inside the bracket, started from the half cosine between the two.
+pub(crate) fn crossing(spectrum: &[Complex64], start: TurningPoint, end: TurningPoint, level: f64) -> f64 {
+    let part = ((level - start.displacement) / (end.displacement - start.displacement)).clamp(0.0, 1.0);
+    let (mut left, mut right) = (start.tau, end.tau);
+    let mut at = left + (right - left) * (1.0 - 2.0 * part).acos() / PI;
+    let rising = end.displacement > start.displacement;
+    for _ in 0..60 {
+        let here = jet(spectrum, at);
+        let beyond = here.displacement - level;
+        if beyond == 0.0 {
+            break;
+        }
+        if (beyond > 0.0) == rising {
+            right = at;
+        } else {
+            left = at;
+        }
+        let newton = at - beyond / here.velocity;
+        let next = if newton > left && newton < right { newton } else { 0.5 * (left + right) };
+        let settled = (next - at).abs() <= 2.0 * f64::EPSILON * next.abs().max(1.0);
+        at = next;
+        if settled {
+            break;
+        }
+    }
+    at
+}

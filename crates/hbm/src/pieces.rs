@@ -1,0 +1,107 @@
+//! Harmonics of a piecewise linear force in closed form, from the phases of its events.
+//!
+//! With `f(τ) = κ(τ) w(τ) + c(τ)`, κ and c constant between events, everything follows from integrals of e^{−iqτ}:
+//!
+//! ```text
+//! I_q = (1/2π) ∫ e^{−iqτ} dτ over a piece,   K_q = Σ κ I_q,   C_q = Σ c I_q
+//! F_p = ε_p [Σ_j W_j K_{p−j} + conj(W_j) K_{p+j} + 2 C_p],   ε_0 = ½, ε_p = 1
+//! ```
+
+use std::f64::consts::TAU;
+
+use contact::{ForcePiece, Recall};
+use faer::c64;
+
+/// The force of one contact by its events; buffers are reused.
+#[derive(Debug, Default)]
+pub(crate) struct PieceSeries {
+    pub(crate) pieces: Vec<ForcePiece>,
+    /// I_q, one row a piece.
+    integrals: Vec<c64>,
+    /// K_q.
+    stiffness: Vec<c64>,
+    /// C_q.
+    constant: Vec<c64>,
+    /// The distinct functionals that the pieces remember.
+    recalls: Vec<Recall>,
+}
+
+impl PieceSeries {
+    /// Integrates the pieces for harmonics of the motion up to `highest`.
+    pub(crate) fn integrate(&mut self, highest: usize) {
+        let length = 2 * highest + 1;
+        self.integrals.resize(self.pieces.len() * length, c64::ZERO);
+        for coefficients in [&mut self.stiffness, &mut self.constant] {
+            coefficients.clear();
+            coefficients.resize(length, c64::ZERO);
+        }
+        for (piece, row) in self.pieces.iter().zip(self.integrals.chunks_exact_mut(length)) {
+            integrals(piece, row);
+            add(&mut self.constant, row, piece.offset);
+            if piece.stiffness != 0.0 {
+                add(&mut self.stiffness, row, piece.stiffness);
+            }
+        }
+    }
+
+    /// K_q, q = 0 … twice the highest harmonic, in N/m.
+    pub(crate) fn stiffness(&self) -> &[c64] {
+        &self.stiffness
+    }
+
+    /// F_p in N for p = `orders[slot]`, of the motion with spectrum W (index: order).
+    pub(crate) fn force(&self, spectrum: &[c64], orders: &[usize], slot: usize) -> c64 {
+        let p = orders[slot];
+        let mut sum = 2.0 * self.constant[p];
+        for &j in orders {
+            let difference = if p >= j { self.stiffness[p - j] } else { self.stiffness[j - p].conj() };
+            sum += spectrum[j] * difference + spectrum[j].conj() * self.stiffness[p + j];
+        }
+        if p == 0 { 0.5 * sum } else { sum }
+    }
+
+    /// Calls `receive` for every distinct memory with its one-sided influence at each of `orders`, in N/m.
+    pub(crate) fn memories(&mut self, orders: &[usize], mut receive: impl FnMut(Recall, usize, c64)) {
+        let length = self.stiffness.len();
+        self.recalls.clear();
+        for (recall, _) in self.pieces.iter().filter_map(|piece| piece.memory) {
+            if !self.recalls.contains(&recall) {
+                self.recalls.push(recall);
+            }
+        }
+        for &recall in &self.recalls {
+            for &order in orders {
+                let rows = self.pieces.iter().zip(self.integrals.chunks_exact(length));
+                let sum: c64 = rows
+                    .filter_map(|(piece, row)| {
+                        let (own, strength) = piece.memory?;
+                        (own == recall).then(|| row[order] * strength)
+                    })
+                    .sum();
+                receive(recall, order, if order == 0 { sum } else { 2.0 * sum });
+            }
+        }
+    }
+}
+
+/// I_q for q = 0 … as many as there is room for: ∫ e^{−iqτ} dτ = (e^{−iq from} − e^{−iq to}) / (iq).
+fn integrals(piece: &ForcePiece, row: &mut [c64]) {
+    let (begin, end) = (c64::cis(-piece.from), c64::cis(-piece.to));
+    let (mut before, mut after) = (begin, end);
+    for (q, integral) in row.iter_mut().enumerate() {
+        if q == 0 {
+            *integral = c64::from((piece.to - piece.from) / TAU);
+            continue;
+        }
+        let difference = before - after;
+        *integral = c64::new(difference.im, -difference.re) * (1.0 / (q as f64 * TAU));
+        before *= begin;
+        after *= end;
+    }
+}
+
+fn add(sum: &mut [c64], row: &[c64], factor: f64) {
+    for (sum, entry) in sum.iter_mut().zip(row) {
+        *sum += entry * factor;
+    }
+}
