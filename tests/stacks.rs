@@ -50,7 +50,7 @@ fn a_stack_answers_like_its_elements_side_by_side() {
     for (preloaded, harmonics) in [(false, 3), (false, 7), (true, 4)] {
         let mut together = two_mass(Arc::new(stack.clone()));
         if preloaded {
-            together.excitation.push(preload.clone());
+            together.excitation.push(preload);
         }
         let apart = Problem { contacts: one_by_one(&stack), ..together.clone() };
         for hertz in [40.0, 57.0, 75.0, 108.0, 130.0] {

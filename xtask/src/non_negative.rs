@@ -3,7 +3,7 @@
 /// Least squares of `‖Σ_j x_j columns_j − target‖` over x ≥ 0.
 ///
 /// The solution is certified by the conditions of optimality: the gradient columnsᵀ (Ax − target) vanishes where x_j > 0
-/// and is not negative elsewhere; see [`violation`].
+/// and is not negative elsewhere (the tests look).
 pub(crate) fn least_squares(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
     let n = columns.len();
     // Columns of unit length, so that one tolerance suits all.
