@@ -222,12 +222,10 @@ fn laws() {
         "contacts[0].law.type: there is no law \"magic\"; known are scaled_loop",
     );
     refused(&law(json!("linear")), "contacts[0].law: must be an object");
-    for later in ["coulomb"] {
-        refused(
-            &law(json!({ "type": later })),
-            &format!("contacts[0].law.type: the law \"{later}\" is not supported yet"),
-        );
-    }
+    refused(
+        &law(json!({ "type": "coulomb" })),
+        "contacts[0].law.type: the law \"coulomb\" is not supported yet",
+    );
     refused(&scaled(json!({ "displacement": 8e-6 })), "contacts[0].law.loop: needs \"force\"");
     refused(
         &scaled(json!({ "displacement": -1, "force": 1 })),

@@ -7,7 +7,7 @@ use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::reference_loop;
+use crate::{iwan, loop_family, reference_loop};
 
 /// Commands of cargo before the tests, with their environment.
 const CHECKS: [(&str, Option<(&str, &str)>); 4] = [
@@ -27,6 +27,10 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     says_so(root)?;
     step("cargo xtask reference-loop --check");
     reference_loop::check(root)?;
+    step("cargo xtask iwan --check");
+    iwan::check(root)?;
+    step("cargo xtask loop-family --check");
+    loop_family::check(root)?;
     for (arguments, variable) in CHECKS {
         cargo(root, arguments, variable, Stdio::inherit())?;
     }

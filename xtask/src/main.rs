@@ -1,6 +1,10 @@
 //! The workshop of stickslip: `cargo xtask COMMAND`.
 
 mod ci;
+mod iwan;
+mod loop_family;
+mod non_negative;
+mod page;
 mod reference_loop;
 
 use std::path::{Path, PathBuf};
@@ -11,8 +15,10 @@ use anyhow::{Result, bail};
 const USAGE: &str = "usage: cargo xtask COMMAND
 
   ci                       every check of a change: format, lints, documentation, tests, the README's commands
+  iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
+  loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
   reference-loop           writes scenes/loops/reference.csv
-  reference-loop --check   fails unless that file is what the command writes";
+  … --check                fails unless what one of the last three writes and prints is in the repository";
 
 fn main() -> ExitCode {
     match run() {
@@ -29,6 +35,10 @@ fn run() -> Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["ci"] => ci::run(&root()),
+        ["iwan"] => iwan::write(&root()),
+        ["iwan", "--check"] => iwan::check(&root()),
+        ["loop-family", "--check"] => loop_family::check(&root()),
+        ["loop-family"] => loop_family::write(&root()),
         ["reference-loop"] => reference_loop::write(&root()),
         ["reference-loop", "--check"] => reference_loop::check(&root()),
         _ => bail!("{USAGE}"),

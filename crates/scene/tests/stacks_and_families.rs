@@ -96,12 +96,15 @@ fn a_family_of_scaled_loops_responds_like_the_scaled_loop() {
         let first = &point["displacement"]["w"][0];
         first[1].as_f64().unwrap().hypot(first[2].as_f64().unwrap())
     };
+    let mut compared = 0;
     for i in 0..15 {
         let (one, other) = (amplitude(&family, i), amplitude(&scaled, i));
         if one < 8e-6 {
             assert!((one / other - 1.0).abs() < 2e-3, "{i}: {one:e} {other:e}");
+            compared += 1;
         }
     }
+    assert!(compared > 5, "{compared} amplitudes within the measured range");
 }
 
 #[test]
