@@ -55,8 +55,9 @@ pub enum Weighting {
     /// least four loops.
     #[default]
     Equal,
-    /// Each loop counts by its own measured noise, and errors come from that noise alone (normal
-    /// distribution). They hold if the law is true, which [`Note::Misfit`] doubts where it can.
+    /// Each loop counts by its own measured noise, that of its amplitude included, and errors come from that
+    /// noise (normal distribution). Where the loops scatter by more, errors grow with the scatter (Student's t).
+    /// Three loops have errors too.
     Noise,
 }
 
@@ -154,16 +155,20 @@ pub fn identify(
 
     let alpha = |point: &LoopPoint| point.displacement / reference.displacement;
     let relative = |point: &LoopPoint| point.force(kind) / reference.force;
-    let observe = |value: &dyn Fn(&LoopPoint) -> f64, noise: &dyn Fn(&LoopPoint) -> Option<f64>| {
+    let observe = |value: &dyn Fn(&LoopPoint) -> f64, noise: &dyn Fn(&PointNoise) -> f64| {
         let seen = sorted.iter().map(|point| Observation {
             alpha: alpha(point),
             value: value(point),
-            noise: noise(point).filter(|noise| *noise > 0.0),
+            noise: point
+                .noise
+                .as_ref()
+                .map(|errors| (noise(errors), errors.displacement / reference.displacement))
+                .filter(|(noise, _)| *noise > 0.0),
         });
         seen.collect::<Vec<_>>()
     };
-    let magnitudes = observe(&relative, &|p| p.force_noise(kind).map(|noise| noise / reference.force));
-    let phases = observe(&LoopPoint::law_phase, &|p| p.noise.map(|noise| noise.phase));
+    let magnitudes = observe(&relative, &|errors| errors.force(kind) / reference.force);
+    let phases = observe(&LoopPoint::law_phase, &|errors| errors.phase);
 
     let (magnitude, mut notes) = law_fit::fit(&Family::MAGNITUDE, &magnitudes, settings.weighting);
     let (phase, of_phase) = law_fit::fit(&Family::PHASE, &phases, settings.weighting);

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 
-use hysteresis::{Fit, Loop};
+use hysteresis::{Fit, Loop, TurningPoint};
 
 use super::{IdentificationError, Magnitude, Weighting};
 
@@ -25,6 +25,8 @@ pub struct LoopPoint {
 /// Standard errors of a loop's numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointNoise {
+    /// Of the displacement amplitude \[m\]; 0 where it is negligible or unknown.
+    pub displacement: f64,
     /// Of the force at the turning points \[N\].
     pub turning_point_force: f64,
     /// Of |F_1| \[N\].
@@ -49,19 +51,52 @@ impl From<&Loop> for LoopPoint {
 impl From<&Fit> for LoopPoint {
     /// The point of a fitted record. A harmonic whose complex amplitude has the standard error σ_k has σ_k/√2 in
     /// each direction: so |F_1|, and arg F_1 times |F_1|; the force at the turning points is the sum of the real
-    /// parts of the odd harmonics. The error of the displacement amplitude is not included: it reaches g
-    /// multiplied by dg/d ln α ≤ slope.
+    /// parts of the odd harmonics. The amplitude's error is that of a mean of turning points that scatter.
     fn from(fit: &Fit) -> Self {
         let measured = &fit.hysteresis_loop;
         let variance = |k: usize| fit.harmonic_noise.get(k).map_or(0.0, |error| 0.5 * error * error);
         let first = variance(1).sqrt();
         let tips: f64 = fit.kept_harmonics().filter(|k| k % 2 == 1).map(variance).sum();
         let noise = PointNoise {
+            displacement: amplitude_error(&fit.turning_points),
             turning_point_force: tips.sqrt(),
             first_harmonic: first,
             phase: first / measured.force_amplitude(),
         };
         Self { noise: Some(noise), ..Self::from(measured) }
+    }
+}
+
+/// Standard error of half the distance between the means of the upper and of the lower turning points \[m\]; 0
+/// for a single cycle. The turning points' variance is half that of the ways between them, taken for each
+/// direction alone, so that a drift does not count.
+fn amplitude_error(points: &[TurningPoint]) -> f64 {
+    let ways = |down: bool| {
+        let pairs = points.windows(2).filter_map(move |pair| match pair {
+            [from, to] if from.upper == down => Some((from.displacement - to.displacement).abs()),
+            _ => None,
+        });
+        pairs.collect::<Vec<_>>()
+    };
+    let deviations = |ways: &[f64]| -> f64 {
+        let mean = ways.iter().sum::<f64>() / ways.len().max(1) as f64;
+        ways.iter().map(|way| (way - mean).powi(2)).sum()
+    };
+    let (down, up) = (ways(true), ways(false));
+    let freedom = down.len().saturating_sub(1) + up.len().saturating_sub(1);
+    let variance = 0.5 * (deviations(&down) + deviations(&up)) / freedom.max(1) as f64;
+    let upper = points.iter().filter(|point| point.upper).count().max(1) as f64;
+    let lower = points.iter().filter(|point| !point.upper).count().max(1) as f64;
+    0.5 * (variance * (1.0 / upper + 1.0 / lower)).sqrt()
+}
+
+impl PointNoise {
+    /// Of the force that eq. (6) is fitted to \[N\].
+    pub(super) fn force(&self, kind: Magnitude) -> f64 {
+        match kind {
+            Magnitude::TurningPoints => self.turning_point_force,
+            Magnitude::FirstHarmonic => self.first_harmonic,
+        }
     }
 }
 
@@ -78,14 +113,6 @@ impl LoopPoint {
             Magnitude::TurningPoints => self.turning_point_force,
             Magnitude::FirstHarmonic => self.first_harmonic,
         }
-    }
-
-    /// Its standard error \[N\].
-    pub(super) fn force_noise(&self, kind: Magnitude) -> Option<f64> {
-        self.noise.map(|noise| match kind {
-            Magnitude::TurningPoints => noise.turning_point_force,
-            Magnitude::FirstHarmonic => noise.first_harmonic,
-        })
     }
 
     /// By amplitude; among equals by everything else, so that the order is the same whatever it was before.
@@ -114,6 +141,8 @@ impl LoopPoint {
             [noise.turning_point_force, noise.first_harmonic, noise.phase]
                 .iter()
                 .all(|error| *error > 0.0 && error.is_finite())
+                && noise.displacement >= 0.0
+                && noise.displacement.is_finite()
         };
         if weighting == Weighting::Noise && !self.noise.as_ref().is_some_and(known) {
             return Err(IdentificationError::UnknownNoise { index });

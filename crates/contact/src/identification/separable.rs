@@ -3,23 +3,24 @@
 
 use crate::scaling::{MagnitudeLaw, PhaseLaw};
 
-use super::Parameter;
+use super::{Law, Parameter};
 
 /// What was measured at one amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Observation {
     pub alpha: f64,
     pub value: f64,
-    /// Standard error of the value, where known; positive.
-    pub noise: Option<f64>,
+    /// Standard errors of the value, positive, and of α, where known.
+    pub noise: Option<(f64, f64)>,
 }
 
 /// One of the two laws, written as y = c₀ + c₁ u(α; p).
 pub(super) struct Family<L> {
+    pub which: Law,
     /// Names of c₀, c₁ and p.
     pub parameters: [Parameter; 3],
-    /// u and ∂u/∂p.
-    pub basis: fn(alpha: f64, p: f64) -> (f64, f64),
+    /// u, ∂u/∂p and ∂u/∂α.
+    pub basis: fn(alpha: f64, p: f64) -> [f64; 3],
     /// Between which p the loops could tell apart, from their ascending α.
     pub range: fn(&[f64]) -> (f64, f64),
     pub law: fn([f64; 3]) -> L,
@@ -29,8 +30,9 @@ impl Family<MagnitudeLaw> {
     /// Eq. (6): u = ln(α + shift). Below 10⁻⁶ of the smallest α the shift changes nothing; above 10³ times the
     /// largest the law is a straight line over α.
     pub const MAGNITUDE: Self = Self {
+        which: Law::Magnitude,
         parameters: [Parameter::Offset, Parameter::Slope, Parameter::Shift],
-        basis: |alpha, shift| ((alpha + shift).ln(), 1.0 / (alpha + shift)),
+        basis: |alpha, shift| [(alpha + shift).ln(), 1.0 / (alpha + shift), 1.0 / (alpha + shift)],
         range: |alphas| (1e-6 * first(alphas), 1e3 * last(alphas)),
         law: |[offset, slope, shift]| MagnitudeLaw { offset, slope, shift },
     };
@@ -40,10 +42,11 @@ impl Family<PhaseLaw> {
     /// Eq. (7): u = −e^{−decay α}. Below 10⁻³ over the largest α the law is a straight line; at the upper end
     /// only the smallest loop differs from the limit.
     pub const PHASE: Self = Self {
+        which: Law::Phase,
         parameters: [Parameter::Limit, Parameter::Span, Parameter::Decay],
         basis: |alpha, decay| {
             let fall = (-decay * alpha).exp();
-            (-fall, alpha * fall)
+            [-fall, alpha * fall, decay * fall]
         },
         range: |alphas| {
             let second = alphas.iter().copied().find(|alpha| *alpha > 1.02 * first(alphas));
@@ -52,6 +55,25 @@ impl Family<PhaseLaw> {
         },
         law: |[limit, span, decay]| PhaseLaw { limit, span, decay },
     };
+}
+
+impl<L> Family<L> {
+    /// y(α) for the numbers c₀, c₁, p.
+    pub fn value(&self, alpha: f64, [constant, factor, p]: [f64; 3]) -> f64 {
+        constant + factor * (self.basis)(alpha, p)[0]
+    }
+
+    /// ∂y/∂(c₀, c₁, p).
+    pub fn jacobian(&self, alpha: f64, [_, factor, p]: [f64; 3]) -> [f64; 3] {
+        let [u, growth, _] = (self.basis)(alpha, p);
+        [1.0, u, factor * growth]
+    }
+
+    /// Standard error of a value with that of its α, which the slope of the law carries over.
+    pub fn noise(&self, seen: &Observation, [_, factor, p]: [f64; 3]) -> Option<f64> {
+        let [_, _, slope] = (self.basis)(seen.alpha, p);
+        seen.noise.map(|(value, alpha)| value.hypot(factor * slope * alpha))
+    }
 }
 
 fn first(alphas: &[f64]) -> f64 {
@@ -124,17 +146,17 @@ impl<L> Problem<'_, L> {
     /// c₁ = Σ w (u − ū)(y − ȳ) / Σ w (u − ū)²,   c₀ = ȳ − c₁ ū.
     pub fn line(&self, p: f64) -> Line {
         let basis = |seen: &Observation| (self.family.basis)(seen.alpha, p);
-        let (centre, level) = (self.mean(|seen| basis(seen).0), self.mean(|seen| seen.value));
-        let square = self.mean(|seen| (basis(seen).0 - centre).powi(2));
-        let product = self.mean(|seen| (basis(seen).0 - centre) * (seen.value - level));
+        let (centre, level) = (self.mean(|seen| basis(seen)[0]), self.mean(|seen| seen.value));
+        let square = self.mean(|seen| (basis(seen)[0] - centre).powi(2));
+        let product = self.mean(|seen| (basis(seen)[0] - centre) * (seen.value - level));
         let factor = if square > 0.0 { product / square } else { 0.0 };
-        let off = |seen: &Observation| seen.value - level - factor * (basis(seen).0 - centre);
+        let off = |seen: &Observation| seen.value - level - factor * (basis(seen)[0] - centre);
         let total: f64 = self.weights.iter().sum();
         Line {
             constant: level - factor * centre,
             factor,
             sum: total * self.mean(|seen| off(seen).powi(2)),
-            gradient: -2.0 * total * factor * p * self.mean(|seen| off(seen) * basis(seen).1),
+            gradient: -2.0 * total * factor * p * self.mean(|seen| off(seen) * basis(seen)[1]),
         }
     }
 
@@ -197,11 +219,5 @@ impl<L> Problem<'_, L> {
             }
             if self.line(middle).gradient < 0.0 { low = middle } else { high = middle }
         }
-    }
-
-    /// ∂y/∂(c₀, c₁, p) at one α.
-    pub fn jacobian(&self, alpha: f64, [_, factor, p]: [f64; 3]) -> [f64; 3] {
-        let (u, growth) = (self.family.basis)(alpha, p);
-        [1.0, u, factor * growth]
     }
 }

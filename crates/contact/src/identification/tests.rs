@@ -161,9 +161,8 @@ fn the_linear_part_is_the_closed_form() {
 }
 
 fn jacobian_by_differences<L>(family: &Family<L>, value: impl Fn([f64; 3], f64) -> f64, at: [f64; 3]) {
-    let problem = Problem { family, observations: &[], weights: &[] };
     for alpha in [0.01, 0.2, 1.0, 1.7] {
-        let analytic = problem.jacobian(alpha, at);
+        let analytic = family.jacobian(alpha, at);
         for j in 0..3 {
             let h = 1e-5 * at[j].abs();
             let shifted = |by: f64| {
@@ -227,7 +226,8 @@ fn three_loops_have_no_errors_and_it_is_said() {
     assert!(found.notes.iter().any(|note| note.to_string().contains("there are no errors")));
 
     // Noise still has errors to offer.
-    let noise = Some(PointNoise { turning_point_force: 0.01, first_harmonic: 0.01, phase: 0.001 });
+    let noise =
+        Some(PointNoise { displacement: 0.0, turning_point_force: 0.01, first_harmonic: 0.01, phase: 0.001 });
     let noisy: Vec<_> = points.iter().map(|point| LoopPoint { noise, ..*point }).collect();
     let settings = IdentificationSettings { weighting: Weighting::Noise, ..Default::default() };
     let found = identify(&noisy, &settings).unwrap();
@@ -239,7 +239,8 @@ fn three_loops_have_no_errors_and_it_is_said() {
 fn the_error_of_the_limit_is_that_of_a_mean() {
     let psi = PhaseLaw { limit: -1.5, span: 1.4, decay: 40.0 };
     let alphas = [0.01, 0.02, 0.04, 1.0, 1.1, 1.2, 1.3];
-    let noise = Some(PointNoise { turning_point_force: 0.01, first_harmonic: 0.01, phase: 0.02 });
+    let noise =
+        Some(PointNoise { displacement: 0.0, turning_point_force: 0.01, first_harmonic: 0.01, phase: 0.02 });
     let points: Vec<_> = exact(&alphas, MagnitudeLaw::default(), psi)
         .into_iter()
         .map(|point| LoopPoint { noise, ..point })
@@ -369,7 +370,8 @@ fn equal_phases_leave_the_decay_open() {
 
 #[test]
 fn scatter_beyond_the_noise_is_a_misfit() {
-    let noise = Some(PointNoise { turning_point_force: 1e-3, first_harmonic: 1e-3, phase: 1e-4 });
+    let noise =
+        Some(PointNoise { displacement: 0.0, turning_point_force: 1e-3, first_harmonic: 1e-3, phase: 1e-4 });
     let mut points = exact(&ALPHAS, MagnitudeLaw::default(), PhaseLaw::default());
     for (j, point) in points.iter_mut().enumerate() {
         point.noise = noise;
