@@ -1,6 +1,7 @@
 //! The workshop of stickslip: `cargo xtask COMMAND`.
 
 mod ci;
+mod loop_series;
 mod reference_loop;
 
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use anyhow::{Result, bail};
 const USAGE: &str = "usage: cargo xtask COMMAND
 
   ci                       every check of a change: format, lints, documentation, tests, the README's commands
+  loop-series FOLDER       writes synthetic records at eight amplitudes that follow the paper's scaling laws
   reference-loop           writes scenes/loops/reference.csv
   reference-loop --check   fails unless that file is what the command writes";
 
@@ -29,6 +31,7 @@ fn run() -> Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["ci"] => ci::run(&root()),
+        ["loop-series", folder] => loop_series::write(Path::new(folder)),
         ["reference-loop"] => reference_loop::write(&root()),
         ["reference-loop", "--check"] => reference_loop::check(&root()),
         _ => bail!("{USAGE}"),

@@ -173,7 +173,8 @@ impl fmt::Display for Note {
         match self {
             Self::ExactlyDetermined { loops, weighting } => write!(
                 f,
-                "{loops} loops of three amplitudes determine the three numbers of each law exactly: nothing tests whether the laws hold, and {}",
+                "{loops} loops of three amplitudes determine the three numbers of each law exactly: a law that passes through them is not \
+                 tested by them, and {}",
                 match (weighting, loops) {
                     (Weighting::Noise, _) => "the errors are those of the noise alone",
                     (Weighting::Equal, 3) => "there are no errors",
@@ -212,9 +213,11 @@ impl fmt::Display for Note {
                 if *lower { "smaller" } else { "larger" },
                 match (parameter, lower) {
                     (Parameter::Shift, true) =>
-                        "the loops follow ln α without a shift, and the law says nothing about small α",
-                    (Parameter::Decay, false) => "only the smallest loop departs from the limit",
-                    _ => "the loops follow a straight line over α",
+                        "the loops follow ln α without a shift, or bend more than that",
+                    (Parameter::Decay, false) =>
+                        "only the smallest loop departs from the limit, or the phase jumps more than that",
+                    _ =>
+                        "the loops follow a straight line over α, or bend the other way, which the law cannot",
                 }
             ),
             Self::Unbounded { parameter, below, above } => write!(
@@ -242,7 +245,7 @@ impl fmt::Display for Note {
             ),
             Self::Misfit { law, ratio } => write!(
                 f,
-                "the loops scatter about {law} by {ratio:.0} times their noise: the law only approximates them, and errors from noise \
+                "the loops scatter about {law} by {ratio:.0} times their noise: the law only approximates them, or loops do not repeat; errors from noise \
                  alone would be too small"
             ),
             Self::NotPassive(refused) => write!(f, "no contact can be built from this law: {refused}"),

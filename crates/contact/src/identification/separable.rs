@@ -27,13 +27,13 @@ pub(super) struct Family<L> {
 }
 
 impl Family<MagnitudeLaw> {
-    /// Eq. (6): u = ln(α + shift). Below 10⁻⁶ of the smallest α the shift changes nothing; above 10³ times the
+    /// Eq. (6): u = ln(α + shift). Below 10⁻⁶ of the smallest α the shift changes nothing; above 100 times the
     /// largest the law is a straight line over α.
     pub const MAGNITUDE: Self = Self {
         which: Law::Magnitude,
         parameters: [Parameter::Offset, Parameter::Slope, Parameter::Shift],
         basis: |alpha, shift| [(alpha + shift).ln(), 1.0 / (alpha + shift), 1.0 / (alpha + shift)],
-        range: |alphas| (1e-6 * first(alphas), 1e3 * last(alphas)),
+        range: |alphas| (1e-6 * first(alphas), 1e2 * last(alphas)),
         law: |[offset, slope, shift]| MagnitudeLaw { offset, slope, shift },
     };
 }
