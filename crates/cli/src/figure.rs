@@ -92,8 +92,8 @@ pub fn scaling(figure: Figure, found: &Identification) -> Result<(), Failure> {
 
     let drawing = ScalingPlot {
         force: match found.kind {
-            Magnitude::TurningPoints => "force at the turning points / F*",
-            Magnitude::FirstHarmonic => "first harmonic of the force / F*",
+            Magnitude::TurningPoints => "turning-point force / F*",
+            Magnitude::FirstHarmonic => "first harmonic / F*",
         },
         magnitudes: found.points.iter().map(|point| (point.alpha, point.magnitude)).collect(),
         phases: found.points.iter().map(|point| (point.alpha, point.phase)).collect(),

@@ -173,7 +173,10 @@ pub fn identify(
     let (magnitude, mut notes) = law_fit::fit(&Family::MAGNITUDE, &magnitudes, settings.weighting);
     let (phase, of_phase) = law_fit::fit(&Family::PHASE, &phases, settings.weighting);
     notes.extend(of_phase);
-    notes.extend(note::of_range(&magnitudes, amplitudes, settings.weighting, &magnitude.law, &phase.law));
+    let shift_at_bound =
+        notes.iter().any(|note| matches!(note, Note::AtBound { parameter: Parameter::Shift, .. }));
+    notes.extend(note::of_count(points.len(), amplitudes, settings.weighting));
+    notes.extend(note::of_range(&magnitudes, &magnitude.law, shift_at_bound, &phase.law));
     notes.extend(note::not_passive(magnitude.law.check().err()));
     notes.extend(note::not_passive(phase.law.check().err()));
 

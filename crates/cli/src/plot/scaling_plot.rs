@@ -9,6 +9,9 @@ use super::axis::Axis;
 use super::chart::{BOTTOM, BOTTOM_BARE, Chart, Curve, TOP};
 use super::{image, pen, sheet};
 
+/// A law over α.
+type Law<'a> = dyn Fn(f64) -> f64 + 'a;
+
 /// Measured loops and the laws identified from them.
 pub struct ScalingPlot<'a> {
     /// What the magnitudes are.
@@ -18,9 +21,9 @@ pub struct ScalingPlot<'a> {
     /// α and phase of each loop in rad.
     pub phases: Vec<(f64, f64)>,
     /// g(α), eq. (6).
-    pub magnitude: Box<dyn Fn(f64) -> f64 + 'a>,
+    pub magnitude: Box<Law<'a>>,
     /// ψ_C(α) in rad, eq. (7).
-    pub phase: Box<dyn Fn(f64) -> f64 + 'a>,
+    pub phase: Box<Law<'a>>,
 }
 
 /// Draws `plot` and writes it to `path`, `.svg` or `.png`.
@@ -58,18 +61,18 @@ fn draw(plot: &ScalingPlot) -> Result<String> {
         let part = f64::from(j) / f64::from(POINTS);
         if wide { from * (to / from).powf(part) } else { from + part * (to - from) }
     };
-    let chart = |label: String, points: &[(f64, f64)], law: &dyn Fn(f64) -> f64, unit: f64, lowest: bool| {
-        let points: Vec<_> = points.iter().map(|(alpha, value)| (*alpha, Some(value / unit))).collect();
-        // A law that is steep or negative at small α must not squeeze the loops.
-        let span = extent(points.iter().filter_map(|(_, value)| *value));
-        let (bottom, top) = (span.0 - 0.35 * (span.1 - span.0), span.1 + 0.2 * (span.1 - span.0));
+    // Passive laws have g ≥ 0 and −π ≤ ψ ≤ 0: whole ranges, so that figures of different contacts compare.
+    let strongest = plot.magnitudes.iter().map(|(_, force)| *force).fold(1.0, f64::max);
+    let latest = plot.phases.iter().map(|(_, phase)| *phase / PI).fold(-0.5, f64::max);
+    let forces = (0.0, 1.1 * strongest);
+    let phases = (-1.0, (latest + 0.05).min(0.0));
+    let chart = |label: String, (bottom, top): (f64, f64), points: &[(f64, f64)], law: &Law, lowest: bool| {
+        let unit = if lowest { PI } else { 1.0 };
+        let points = points.iter().map(|(alpha, value)| (*alpha, Some(value / unit))).collect();
         let inside = |value: &f64| (bottom..=top).contains(value);
-        let curve: Vec<_> =
-            (0..=POINTS).map(|j| (abscissa(j), Some(law(abscissa(j)) / unit).filter(inside))).collect();
-        let seen = points.iter().chain(&curve).filter_map(|(_, value)| *value);
-        let (lower, upper) = extent(seen);
-        let margin = 0.06 * (upper - lower).max(1e-3 * upper.abs());
-        let y = Axis::tight(label, [lower - margin, upper + margin].into_iter())?;
+        let value = |alpha| Some(law(alpha) / unit).filter(inside);
+        let curve = (0..=POINTS).map(abscissa).map(|alpha| (alpha, value(alpha))).collect();
+        let y = Axis::tight(label, [bottom, top].into_iter())?;
         Some(Chart {
             heading: String::new(),
             x: x.clone(),
@@ -87,16 +90,12 @@ fn draw(plot: &ScalingPlot) -> Result<String> {
             height: TOP + FRAME + if lowest { BOTTOM } else { BOTTOM_BARE },
         })
     };
-    let magnitude = chart(plot.force.to_owned(), &plot.magnitudes, &plot.magnitude, 1.0, false);
-    let phase = chart("phase \u{3c8} / \u{3c0}".to_owned(), &plot.phases, &plot.phase, PI, true);
+    let magnitude = chart(plot.force.to_owned(), forces, &plot.magnitudes, &plot.magnitude, false);
+    let phase = chart("phase \u{3c8} / \u{3c0}".to_owned(), phases, &plot.phases, &plot.phase, true);
     let (Some(magnitude), Some(phase)) = (magnitude, phase) else {
         anyhow::bail!("nothing to plot: no loop has a force");
     };
     Ok(sheet::svg("", 1, vec![magnitude, phase]))
-}
-
-fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
 }
 
 #[cfg(test)]
@@ -108,7 +107,7 @@ mod tests {
         let psi = |alpha: f64| -0.5 * PI - 7.0 / 15.0 * PI * (-4.0 * alpha).exp();
         let noise = |alpha: f64| 0.02 * (alpha * 1234.0).sin();
         ScalingPlot {
-            force: "force at the turning points / F*",
+            force: "turning-point force / F*",
             magnitudes: alphas.iter().map(|a| (*a, g(*a) + noise(*a))).collect(),
             phases: alphas.iter().map(|a| (*a, psi(*a) + noise(*a))).collect(),
             magnitude: Box::new(g),

@@ -118,29 +118,34 @@ pub enum Note {
 /// Amplitudes that span less than this ratio are close together.
 const NARROW: f64 = 4.0;
 
-/// What the amplitudes can and cannot tell; `observations` ascend in α.
-pub(super) fn of_range(
-    observations: &[Observation],
-    amplitudes: usize,
-    weighting: Weighting,
-    magnitude: &MagnitudeLaw,
-    phase: &PhaseLaw,
-) -> Vec<Note> {
+/// What the number of loops and of different amplitudes cannot tell.
+pub(super) fn of_count(loops: usize, amplitudes: usize, weighting: Weighting) -> Vec<Note> {
     let mut notes = Vec::new();
-    let (loops, freedom) = (observations.len(), observations.len().saturating_sub(3));
+    let freedom = loops.saturating_sub(3);
     if amplitudes == 3 {
         notes.push(Note::ExactlyDetermined { loops, weighting });
     }
     if (1..=2).contains(&freedom) {
         notes.push(Note::FewLoops { freedom });
     }
+    notes
+}
+
+/// What the amplitudes cannot tell; `observations` ascend in α. A shift that rests `at_bound` has its own note.
+pub(super) fn of_range(
+    observations: &[Observation],
+    magnitude: &MagnitudeLaw,
+    at_bound: bool,
+    phase: &PhaseLaw,
+) -> Vec<Note> {
+    let mut notes = Vec::new();
     let (Some(first), Some(last)) = (observations.first(), observations.last()) else { return notes };
     let (smallest, largest) = (first.alpha, last.alpha);
     if largest < NARROW * smallest {
         notes.push(Note::NarrowRange { ratio: largest / smallest });
     }
     // At α = 3 shift, the shift is worth 0.29 slope; it should be seen well above the noise.
-    if smallest > 3.0 * magnitude.shift {
+    if smallest > 3.0 * magnitude.shift && !at_bound {
         let needed = 3.0 * magnitude.shift;
         notes.push(Note::NoSmallLoop { parameter: Parameter::Shift, smallest, needed });
     }
@@ -208,7 +213,7 @@ impl fmt::Display for Note {
             ),
             Self::AtBound { parameter, value, lower } => write!(
                 f,
-                "the fit gets better the {} the {parameter} becomes, as far as was searched ({value:.1e}): {}; the numbers of this law \
+                "the fit gets better the {} the {parameter} becomes, as far as was searched ({value:.2e}): {}; the numbers of this law \
                  have no errors",
                 if *lower { "smaller" } else { "larger" },
                 match (parameter, lower) {
