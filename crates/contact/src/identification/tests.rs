@@ -381,3 +381,78 @@ fn scatter_beyond_the_noise_is_a_misfit() {
     assert!(has(&found, |n| matches!(n, Note::Misfit { law: Law::Magnitude, ratio } if *ratio > 10.0)));
     assert!(!has(&found, |n| matches!(n, Note::Misfit { law: Law::Phase, .. })));
 }
+
+#[test]
+fn of_several_minima_the_best_is_taken_and_the_rival_named() {
+    // Phases at random, for which the sum of squares has two minima over the decay (found by scanning it).
+    let alphas = [0.02, 0.1, 0.3, 0.6, 1.0];
+    for (phases, best, rival) in
+        [([-1.65, -2.25, -1.84, -2.53, -2.43], 2.0, 45.1), ([-1.70, -2.18, -1.91, -2.49, -2.19], 42.3, 6.10)]
+    {
+        let mut points = exact(&alphas, MagnitudeLaw::default(), PhaseLaw::default());
+        for (point, psi) in points.iter_mut().zip(phases) {
+            point.phase = PI + psi;
+        }
+        let found = identify(&points, &IdentificationSettings::default()).unwrap();
+        assert!((found.phase.law.decay / best - 1.0).abs() < 0.05, "{:?}", found.phase);
+        assert!(has(
+            &found,
+            |note| matches!(note, Note::SeveralMinima { parameter: Parameter::Decay, other, .. }
+            if (other / rival - 1.0).abs() < 0.05)
+        ));
+    }
+}
+
+#[test]
+fn errors_are_scatter_or_noise_times_the_same_matrix() {
+    let noise =
+        Some(PointNoise { displacement: 0.0, turning_point_force: 1.0, first_harmonic: 1.0, phase: 0.1 });
+    let mut points = exact(&ALPHAS, MagnitudeLaw::default(), PhaseLaw::default());
+    for (j, point) in points.iter_mut().enumerate() {
+        point.turning_point_force += 0.02 * (j as f64 * 2.3).sin();
+        point.noise = noise;
+    }
+    let by =
+        |weighting| identify(&points, &IdentificationSettings { weighting, ..Default::default() }).unwrap();
+    let (scatter, noise) = (by(Weighting::Equal), by(Weighting::Noise));
+    let sum: f64 = scatter.points.iter().map(|point| point.magnitude_residual.powi(2)).sum();
+    // Eight loops have five degrees of freedom; the noise is 1 N.
+    let ratio = (sum / 5.0).sqrt() / (1.0 / scatter.reference.force);
+    for (a, b) in scatter.magnitude.estimates.iter().zip(&noise.magnitude.estimates) {
+        assert!((a.value - b.value).abs() < 1e-9);
+        assert!((a.std_error.unwrap() / b.std_error.unwrap() / ratio - 1.0).abs() < 1e-6);
+        let half = |estimate: &Estimate| {
+            (estimate.interval.unwrap().1 - estimate.value) / estimate.std_error.unwrap()
+        };
+        assert!((half(a) - 2.5706).abs() < 1e-4 && (half(b) - 1.95996).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn noise_of_the_amplitude_counts_by_the_slope_of_the_law() {
+    let (g, psi) = (MagnitudeLaw::default(), PhaseLaw::default());
+    let exact = exact(&ALPHAS, g, psi);
+    let settings = IdentificationSettings { weighting: Weighting::Noise, ..Default::default() };
+    let with = |noise: &dyn Fn(f64) -> PointNoise| {
+        let points =
+            exact.iter().zip(ALPHAS).map(|(point, alpha)| LoopPoint { noise: Some(noise(alpha)), ..*point });
+        identify(&points.collect::<Vec<_>>(), &settings).unwrap()
+    };
+    // 0.1 µm is 0.0125 W*.
+    let (force, phase) = (0.01, 0.002);
+    let shaky = with(&|_| PointNoise {
+        displacement: 1e-7,
+        turning_point_force: force,
+        first_harmonic: force,
+        phase,
+    });
+    let carried = with(&|alpha| {
+        let tip = force.hypot(12.0 * g.derivative(alpha) * 0.0125);
+        let phase = phase.hypot(psi.derivative(alpha) * 0.0125);
+        PointNoise { displacement: 0.0, turning_point_force: tip, first_harmonic: tip, phase }
+    });
+    let both = |found: &Identification| [found.magnitude.estimates, found.phase.estimates].concat();
+    for (a, b) in both(&shaky).iter().zip(both(&carried)) {
+        assert!((a.std_error.unwrap() / b.std_error.unwrap() - 1.0).abs() < 1e-6, "{a:?} {b:?}");
+    }
+}
