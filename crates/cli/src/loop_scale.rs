@@ -1,17 +1,18 @@
 //! `stickslip loop scale`: the scaling laws, eqs (6) and (7), from loops at several amplitudes.
 
-use std::collections::BTreeMap;
+mod answer;
+
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use contact::identification::{
-    self, Estimate, Identification, IdentificationError, IdentificationSettings, LawFit, LoopPoint, Note,
-    Weighting, identify,
+    self, Estimate, Identification, IdentificationError, IdentificationSettings, LoopPoint, Note, Weighting,
+    identify,
 };
-use contact::{MagnitudeLaw, PhaseLaw};
-use serde::Serialize;
+
+use answer::Answer;
 
 use crate::arguments::{Magnitude, ScaleArguments, TableFormat, Weights};
 use crate::check::count;
@@ -53,7 +54,7 @@ pub fn run(arguments: &ScaleArguments) -> Result<Ending, Failure> {
     let usual = if io::stdout().is_terminal() { TableFormat::Text } else { TableFormat::Json };
     match arguments.format.unwrap_or(usual) {
         TableFormat::Text => output::print(&result.text())?,
-        TableFormat::Json => output::print_json(&result.answer())?,
+        TableFormat::Json => output::print_json(&Answer::of(&result))?,
         TableFormat::Csv => Output::Stdout.write(|out| result.csv(out)).map(|()| Ending::Done)?,
     };
     if let Some(figure) = figure {
@@ -77,68 +78,6 @@ fn refused(error: IdentificationError, files: &[PathBuf]) -> Failure {
     Failure::input(format!("{file}: {error}"))
 }
 
-/// Laws that a scene takes, as it writes them.
-#[derive(Serialize)]
-struct Law {
-    magnitude: MagnitudeLaw,
-    phase: PhaseLaw,
-}
-
-#[derive(Serialize)]
-struct Value {
-    value: f64,
-    std_error: Option<f64>,
-    interval: Option<(f64, f64)>,
-}
-
-#[derive(Serialize)]
-struct Quality {
-    residual_rms: f64,
-    freedom: usize,
-    misfit: Option<f64>,
-    covariance: Option<[[f64; 3]; 3]>,
-}
-
-impl Quality {
-    fn of<L>(fit: &LawFit<L>) -> Self {
-        let LawFit { residual_rms, freedom, misfit, covariance, .. } = *fit;
-        Self { residual_rms, freedom, misfit, covariance }
-    }
-}
-
-#[derive(Serialize)]
-struct Reference {
-    file: String,
-    displacement: f64,
-    force: f64,
-}
-
-#[derive(Serialize)]
-struct MeasuredLoop {
-    file: String,
-    alpha: f64,
-    magnitude: f64,
-    magnitude_residual: f64,
-    phase: f64,
-    phase_residual: f64,
-}
-
-/// The answer for programs.
-#[derive(Serialize)]
-struct Answer {
-    magnitude: BTreeMap<&'static str, Value>,
-    phase: BTreeMap<&'static str, Value>,
-    residual_rms: f64,
-    force: identification::Magnitude,
-    weights: Weighting,
-    reference: Reference,
-    passive: bool,
-    law: Law,
-    quality: BTreeMap<&'static str, Quality>,
-    loops: Vec<MeasuredLoop>,
-    notes: Vec<String>,
-}
-
 /// What was found, with the names of the records.
 struct Scaling<'a> {
     found: &'a Identification,
@@ -157,44 +96,6 @@ impl Scaling<'_> {
     fn estimates(&self) -> impl Iterator<Item = (&'static str, &Estimate)> {
         let magnitude = self.found.magnitude.estimates.iter().map(|estimate| ("magnitude", estimate));
         magnitude.chain(self.found.phase.estimates.iter().map(|estimate| ("phase", estimate)))
-    }
-
-    fn answer(&self) -> Answer {
-        let found = self.found;
-        let values = |estimates: &[Estimate]| {
-            let value = |estimate: &Estimate| {
-                let Estimate { parameter, value, std_error, interval } = *estimate;
-                (parameter.name(), Value { value, std_error, interval })
-            };
-            estimates.iter().map(value).collect()
-        };
-        let measured = found.points.iter().enumerate().map(|(index, point)| MeasuredLoop {
-            file: self.file(index),
-            alpha: point.alpha,
-            magnitude: point.magnitude,
-            magnitude_residual: point.magnitude_residual,
-            phase: point.phase,
-            phase_residual: point.phase_residual,
-        });
-        Answer {
-            magnitude: values(&found.magnitude.estimates),
-            phase: values(&found.phase.estimates),
-            residual_rms: found.residual_rms,
-            force: found.kind,
-            weights: found.weighting,
-            reference: Reference {
-                file: self.file(found.reference.index),
-                displacement: found.reference.displacement,
-                force: found.reference.force,
-            },
-            passive: self.is_passive(),
-            law: Law { magnitude: found.magnitude.law, phase: found.phase.law },
-            quality: [("magnitude", Quality::of(&found.magnitude)), ("phase", Quality::of(&found.phase))]
-                .into_iter()
-                .collect(),
-            loops: measured.collect(),
-            notes: found.notes.iter().map(ToString::to_string).collect(),
-        }
     }
 
     /// The six numbers, one a line; empty where there is no error.
