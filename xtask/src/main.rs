@@ -5,6 +5,7 @@ mod iwan;
 mod loop_family;
 mod non_negative;
 mod page;
+mod loop_series;
 mod reference_loop;
 
 use std::path::{Path, PathBuf};
@@ -17,8 +18,9 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   ci                       every check of a change: format, lints, documentation, tests, the README's commands
   iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
+  loop-series FOLDER       writes synthetic records at eight amplitudes that follow the paper's scaling laws
   reference-loop           writes scenes/loops/reference.csv
-  … --check                fails unless what one of the last three writes and prints is in the repository";
+  … --check                fails unless what one of reference-loop, iwan and loop-family writes and prints is in the repository";
 
 fn main() -> ExitCode {
     match run() {
@@ -39,6 +41,7 @@ fn run() -> Result<()> {
         ["iwan", "--check"] => iwan::check(&root()),
         ["loop-family", "--check"] => loop_family::check(&root()),
         ["loop-family"] => loop_family::write(&root()),
+        ["loop-series", folder] => loop_series::write(Path::new(folder)),
         ["reference-loop"] => reference_loop::write(&root()),
         ["reference-loop", "--check"] => reference_loop::check(&root()),
         _ => bail!("{USAGE}"),

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use hysteresis::{Columns, Units};
+use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Scene};
 
 use crate::ending::Failure;
@@ -16,6 +16,7 @@ Examples:
   stickslip sweep two-mass.json -o response.json   the full result
   stickslip explain two-mass.json                  what this scene needs, what it leaves out, and why
   stickslip loop fit record.csv                    what is in a measured loop
+  stickslip loop scale loops/*.csv                 how loops scale with their amplitude
 
 Exit codes:
   0  all points solved               3    the output cannot be written
@@ -166,6 +167,9 @@ pub enum LoopCommand {
     /// Fit the Fourier series over loop phase to a measured record
     #[command(after_help = FIT)]
     Fit(FitArguments),
+    /// Identify the scaling laws, eqs (6) and (7), from records at several amplitudes
+    #[command(after_help = SCALE)]
+    Scale(ScaleArguments),
 }
 
 const FIT: &str = "\
@@ -181,11 +185,9 @@ Examples:
   stickslip loop fit record.csv --plot loop.svg
   stickslip loop fit rig.txt --columns displacement=2,force=3 --units displacement=in,force=kip --flip-force";
 
-/// `stickslip loop fit`.
+/// How records are to be read.
 #[derive(Debug, Args)]
-pub struct FitArguments {
-    /// The record, a text table
-    pub file: PathBuf,
+pub struct ReadingArguments {
     /// Which column holds what: its name, or its number from 1
     #[arg(long, value_name = "displacement=2,force=3")]
     pub columns: Option<Columns>,
@@ -195,12 +197,71 @@ pub struct FitArguments {
     /// The force is the specimen's reaction: turn its sign
     #[arg(long)]
     pub flip_force: bool,
+}
+
+impl ReadingArguments {
+    /// The same for the reader.
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions {
+            columns: self.columns.clone().unwrap_or_default(),
+            units: self.units.clone().unwrap_or_default(),
+            force_sign: if self.flip_force { ForceSign::Reaction } else { ForceSign::Rig },
+        }
+    }
+}
+
+/// `stickslip loop fit`.
+#[derive(Debug, Args)]
+pub struct FitArguments {
+    /// The record, a text table
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
     /// Draw the averaged cycle and the fitted series
     #[arg(long, value_name = "FILE.svg|.png")]
     pub plot: Option<PathBuf>,
     /// Form of the answer [default: text to a terminal, else json]
     #[arg(long, value_enum)]
     pub format: Option<TextFormat>,
+}
+
+const SCALE: &str = "\
+Each record is one loop; amplitudes must differ, three at least, six or more are good. The laws are
+
+  g(α) = offset + slope ln(α + shift)          force over that of the reference loop
+  ψ(α) = limit − span e^(−decay α)             phase of the force on the mass, rad
+
+over α, the amplitude relative to the reference loop's. The reference is the largest loop; name it in the scene as the \
+law's loop.
+
+Examples:
+  stickslip loop scale loops/*.csv
+  stickslip loop scale loops/*.csv --magnitude first-harmonic --plot laws.svg
+  stickslip loop scale loops/*.csv --reference loops/8um.csv | jq .law";
+
+/// `stickslip loop scale`.
+#[derive(Debug, Args)]
+pub struct ScaleArguments {
+    /// The records, one amplitude each
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Which force the magnitude law is fitted to
+    #[arg(long, value_enum, default_value = "turning-points")]
+    pub magnitude: Magnitude,
+    /// What the loops count, and where the errors come from
+    #[arg(long, value_enum, default_value = "equal")]
+    pub weights: Weights,
+    /// The record to which the laws are relative [default: the largest loop]
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+    /// Draw the loops and the laws over the amplitude
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub plot: Option<PathBuf>,
+    /// Form of the answer [default: text to a terminal, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<TableFormat>,
 }
 
 /// `stickslip init`.
@@ -230,6 +291,35 @@ pub enum TextFormat {
     Text,
     /// For programs.
     Json,
+}
+
+/// Forms of an answer that is a table as well.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TableFormat {
+    /// For readers.
+    Text,
+    /// Everything, for programs.
+    Json,
+    /// The six numbers, one a line.
+    Csv,
+}
+
+/// Forces of a loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Magnitude {
+    /// The force at the turning points, as in the paper
+    TurningPoints,
+    /// The magnitude of the first harmonic
+    FirstHarmonic,
+}
+
+/// Weights of loops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Weights {
+    /// All count the same; errors from their scatter about the law
+    Equal,
+    /// By measured noise; errors from noise, or scatter where it is larger
+    Noise,
 }
 
 /// Example scenes.

@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use contact::identification::Identification;
+#[cfg(feature = "plot")]
+use contact::identification::Magnitude;
 use hysteresis::{Fit, Record};
 use scene::{Scene, Solved};
 
@@ -80,6 +83,29 @@ pub fn hysteresis_loop(figure: Figure, record: &Record, fit: &Fit) -> Result<(),
             .collect(),
     };
     write_loop(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+/// Draws loops and the scaling laws over the amplitude.
+#[cfg(feature = "plot")]
+pub fn scaling(figure: Figure, found: &Identification) -> Result<(), Failure> {
+    use crate::plot::{ScalingPlot, write_scaling};
+
+    let drawing = ScalingPlot {
+        force: match found.kind {
+            Magnitude::TurningPoints => "turning-point force / F*",
+            Magnitude::FirstHarmonic => "first harmonic / F*",
+        },
+        magnitudes: found.points.iter().map(|point| (point.alpha, point.magnitude)).collect(),
+        phases: found.points.iter().map(|point| (point.alpha, point.phase)).collect(),
+        magnitude: Box::new(|alpha| found.magnitude.law.value(alpha)),
+        phase: Box::new(|alpha| found.phase.law.value(alpha)),
+    };
+    write_scaling(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn scaling(figure: Figure, _: &Identification) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
 }
 
 #[cfg(not(feature = "plot"))]

@@ -3,12 +3,13 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal};
+use std::path::Path;
 
-use hysteresis::{Fit, FitError, FitSettings, ForceSign, ReadOptions, Record};
+use hysteresis::{Fit, FitError, FitSettings, Record};
 use scene::Spectrum;
 use serde::Serialize;
 
-use crate::arguments::{FitArguments, TextFormat};
+use crate::arguments::{FitArguments, ReadingArguments, TextFormat};
 use crate::ending::{Ending, Failure};
 use crate::figure::{self, Figure};
 use crate::output;
@@ -32,21 +33,7 @@ struct Answer {
 /// Reads the record, fits it and says what came out.
 pub fn run(arguments: &FitArguments) -> Result<Ending, Failure> {
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
-    let options = ReadOptions {
-        columns: arguments.columns.clone().unwrap_or_default(),
-        units: arguments.units.clone().unwrap_or_default(),
-        force_sign: if arguments.flip_force { ForceSign::Reaction } else { ForceSign::Rig },
-    };
-    let record = Record::read(&arguments.file, &options).map_err(Failure::input)?;
-    let fit = hysteresis::fit(&record, &FitSettings::default()).map_err(|error| {
-        let file = arguments.file.display();
-        match error {
-            FitError::AgainstMotion { .. } if arguments.flip_force => Failure::input(format!(
-                "{file}: with --flip-force the force drives the motion; leave --flip-force out"
-            )),
-            error => Failure::input(format!("{file}: {error}")),
-        }
-    })?;
+    let (record, fit) = measured(&arguments.file, &arguments.reading)?;
     let usual = if io::stdout().is_terminal() { TextFormat::Text } else { TextFormat::Json };
     match arguments.format.unwrap_or(usual) {
         TextFormat::Text => output::print(&text(&fit))?,
@@ -56,6 +43,19 @@ pub fn run(arguments: &FitArguments) -> Result<Ending, Failure> {
         figure::hysteresis_loop(figure, &record, &fit)?;
     }
     Ok(Ending::Done)
+}
+
+/// Reads a record and fits it.
+pub fn measured(file: &Path, reading: &ReadingArguments) -> Result<(Record, Fit), Failure> {
+    let record = Record::read(file, &reading.options()).map_err(Failure::input)?;
+    match hysteresis::fit(&record, &FitSettings::default()) {
+        Ok(fit) => Ok((record, fit)),
+        Err(FitError::AgainstMotion { .. }) if reading.flip_force => Err(Failure::input(format!(
+            "{}: with --flip-force the force drives the motion; leave --flip-force out",
+            file.display()
+        ))),
+        Err(error) => Err(Failure::input(format!("{}: {error}", file.display()))),
+    }
 }
 
 fn answer(fit: &Fit) -> Answer {
@@ -119,7 +119,7 @@ fn runs(numbers: &[usize]) -> String {
 }
 
 /// Five digits, with a power of ten only where it is needed.
-fn digits(value: f64) -> String {
+pub fn digits(value: f64) -> String {
     let magnitude = value.abs().log10().floor();
     if !(-2.0..5.0).contains(&magnitude) {
         return format!("{value:.4e}");

@@ -7,6 +7,7 @@ mod explain;
 mod figure;
 mod init;
 mod loop_fit;
+mod loop_scale;
 mod manual;
 mod output;
 #[cfg(feature = "plot")]
@@ -49,6 +50,7 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Explain(arguments) => explain::run(arguments),
         Command::Check(arguments) => check::run(arguments),
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
+        Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),
         Command::Init(arguments) => init::run(arguments),
         Command::Schema => output::print(scene::SCHEMA),
         Command::Completions { shell } => manual::completions(*shell),

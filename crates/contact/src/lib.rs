@@ -13,6 +13,8 @@
 //! | [`Cubic`] | `cubic.rs` | k₃ w³ |
 //! | [`Linear`] | `linear.rs` | k w |
 //!
+//! The numbers of eqs (6) and (7) are identified from measured loops by [`identification::identify`].
+//!
 //! "The paper" is T. Hoffmann, L. Panning-von Scheidt, J. Wallaschek, *Modelling friction characteristics in
 //! turbine blade vibrations using a Fourier series expansion of a real friction hysteresis*, Procedia
 //! Engineering 199 (2017) 669–674.
@@ -30,6 +32,7 @@ mod elastic_coulomb;
 mod error;
 mod events;
 mod family_curve;
+pub mod identification;
 mod iwan;
 mod law;
 mod linear;

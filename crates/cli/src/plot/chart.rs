@@ -73,7 +73,7 @@ impl Chart {
         let computed = ComputedLayout::from_layout(&layout);
         let mut scene = render_multiple(self.lines(&computed), layout);
         self.add_minor_ticks(&mut scene, &computed);
-        self.add_single_points(&mut scene, &computed);
+        self.add_points(&mut scene, &computed);
         self.add_rug(&mut scene, &computed);
         self.add_words(&mut scene);
         if let Some(legend) = legend {
@@ -131,7 +131,7 @@ impl Chart {
 
     fn lines(&self, computed: &ComputedLayout) -> Vec<Plot> {
         let mut lines = Vec::new();
-        for curve in &self.curves {
+        for curve in self.curves.iter().filter(|curve| curve.pen.dot.is_none()) {
             for stretch in self.stretches(curve, computed) {
                 let back = |(x, y): (f64, f64)| {
                     let across = (x - LEFT) / computed.plot_width();
@@ -158,20 +158,16 @@ impl Chart {
         lines
     }
 
-    /// A solved point between unsolved neighbours is a dot.
-    fn add_single_points(&self, scene: &mut Scene, computed: &ComputedLayout) {
+    /// Measured points are dots, and so is a solved point between unsolved neighbours.
+    fn add_points(&self, scene: &mut Scene, computed: &ComputedLayout) {
         for curve in &self.curves {
             for stretch in self.stretches(curve, computed) {
-                if let [(cx, cy)] = *stretch {
-                    scene.add(Primitive::Circle {
-                        cx,
-                        cy,
-                        r: curve.pen.width,
-                        fill: curve.pen.color.into(),
-                        fill_opacity: None,
-                        stroke: None,
-                        stroke_width: None,
-                    });
+                match (curve.pen.dot, stretch.as_slice()) {
+                    (Some(radius), points) => {
+                        points.iter().for_each(|at| dot(scene, *at, radius, curve.pen.color))
+                    }
+                    (None, [alone]) => dot(scene, *alone, curve.pen.width, curve.pen.color),
+                    _ => {}
                 }
             }
         }
@@ -244,6 +240,18 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         }
     }
     kept
+}
+
+pub(super) fn dot(scene: &mut Scene, (cx, cy): (f64, f64), r: f64, color: &str) {
+    scene.add(Primitive::Circle {
+        cx,
+        cy,
+        r,
+        fill: color.into(),
+        fill_opacity: None,
+        stroke: None,
+        stroke_width: None,
+    });
 }
 
 fn stroke(scene: &mut Scene, (x1, y1): (f64, f64), (x2, y2): (f64, f64)) {

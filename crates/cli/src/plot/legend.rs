@@ -88,15 +88,18 @@ impl Legend {
 
     pub(super) fn draw(&self, scene: &mut Scene) {
         for &(Entry { name, pen }, x, y) in &self.entries {
-            scene.add(Primitive::Line {
-                x1: x,
-                y1: y,
-                x2: x + SAMPLE,
-                y2: y,
-                stroke: pen.color.into(),
-                stroke_width: pen.width.max(1.0),
-                stroke_dasharray: pen.dash.map(str::to_owned),
-            });
+            match pen.dot {
+                Some(radius) => chart::dot(scene, (x + 0.5 * SAMPLE, y), radius, pen.color),
+                None => scene.add(Primitive::Line {
+                    x1: x,
+                    y1: y,
+                    x2: x + SAMPLE,
+                    y2: y,
+                    stroke: pen.color.into(),
+                    stroke_width: pen.width.max(1.0),
+                    stroke_dasharray: pen.dash.map(str::to_owned),
+                }),
+            }
             let at = (x + SAMPLE + GAP, y + 0.36 * f64::from(pen::TICK_SIZE));
             chart::write(scene, name, at, pen::TICK_SIZE, TextAnchor::Start, false);
         }

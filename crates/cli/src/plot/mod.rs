@@ -1,6 +1,6 @@
-//! Figures as a journal prints them: the forced response and a measured loop, as SVG or PNG.
+//! Figures as a journal prints them: the forced response, a measured loop and the scaling laws, as SVG or PNG.
 //!
-//! The corridor: data ([`Response`], [`LoopPlot`]) → [`Chart`](chart::Chart), one pair of boxed axes with its curves,
+//! The corridor: data ([`Response`], [`LoopPlot`], [`ScalingPlot`]) → [`Chart`](chart::Chart), one pair of boxed axes with its curves,
 //! drawn by kuva → [`sheet`], charts side by side, one SVG → [`image`], PNG by resvg with its own fonts, written
 //! whole or not at all.
 //!
@@ -13,7 +13,9 @@ mod legend;
 mod loop_plot;
 mod pen;
 mod response;
+mod scaling_plot;
 mod sheet;
 
 pub use loop_plot::{LoopPlot, write_loop};
 pub use response::{Panel, Response, write_response};
+pub use scaling_plot::{ScalingPlot, write_scaling};
