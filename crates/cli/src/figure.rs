@@ -35,7 +35,7 @@ impl Figure {
 /// Draws the response of every output dof.
 #[cfg(feature = "plot")]
 pub fn response(figure: Figure, scene: &Scene, solved: &Solved) -> Result<(), Failure> {
-    use crate::plot::{Panel, Response, write_response};
+    use plot::{Panel, Response, write_response};
 
     let responses = solved.responses();
     let panels: Vec<Panel> = (responses.responses.into_iter())
@@ -59,7 +59,7 @@ pub fn response(figure: Figure, scene: &Scene, solved: &Solved) -> Result<(), Fa
 /// Draws the averaged cycle of a record and the series fitted to it.
 #[cfg(feature = "plot")]
 pub fn hysteresis_loop(figure: Figure, record: &Record, fit: &Fit) -> Result<(), Failure> {
-    use crate::plot::{LoopPlot, write_loop};
+    use plot::{LoopPlot, write_loop};
 
     let a = fit.hysteresis_loop.displacement_amplitude();
     let cycle = &fit.mean_cycle;

@@ -9,8 +9,6 @@ mod init;
 mod loop_fit;
 mod manual;
 mod output;
-#[cfg(feature = "plot")]
-mod plot;
 mod progress;
 mod summary;
 mod sweep;

@@ -2,24 +2,25 @@
 
 /// How a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pen {
-    pub(super) color: &'static str,
+pub struct Pen {
+    /// As SVG writes it.
+    pub color: &'static str,
     /// In px (1/96 in).
-    pub(super) width: f64,
+    pub width: f64,
     /// Dash lengths; `None` is solid.
-    pub(super) dash: Option<&'static str>,
+    pub dash: Option<&'static str>,
 }
 
 /// What the figure is about: dark and solid.
-pub(super) const MAIN: Pen = Pen { color: "#12397a", width: 1.4, dash: None };
+pub const MAIN: Pen = Pen { color: "#12397a", width: 1.4, dash: None };
 /// What it is compared with: lighter in grey print, dash-dotted.
-pub(super) const REFERENCE: Pen = Pen { color: "#d2691e", width: 1.2, dash: Some("6 2 1.5 2") };
+pub const REFERENCE: Pen = Pen { color: "#d2691e", width: 1.2, dash: Some("6 2 1.5 2") };
 /// A fit over its data: dashed.
-pub(super) const FIT: Pen = Pen { color: "#d2691e", width: 1.4, dash: Some("5 2.2") };
+pub const FIT: Pen = Pen { color: "#d2691e", width: 1.4, dash: Some("5 2.2") };
 /// Raw data behind everything.
-pub(super) const FAINT: Pen = Pen { color: "#b8b8b8", width: 0.6, dash: None };
+pub const FAINT: Pen = Pen { color: "#b8b8b8", width: 0.6, dash: None };
 /// Stretches of the abscissa that deserve a remark.
-pub(super) const RUG: Pen = Pen { color: "#9a9a9a", width: 2.4, dash: None };
+pub const RUG: Pen = Pen { color: "#9a9a9a", width: 2.4, dash: None };
 
 /// Frame and ticks.
 pub(super) const FRAME: &str = "#000000";
