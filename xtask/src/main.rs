@@ -1,6 +1,9 @@
 //! The workshop of stickslip: `cargo xtask COMMAND`.
 
 mod ci;
+mod markdown;
+mod paper;
+mod reconstruct;
 mod reference_loop;
 
 use std::path::{Path, PathBuf};
@@ -29,6 +32,8 @@ fn run() -> Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["ci"] => ci::run(&root()),
+        ["reconstruct"] => reconstruct::write(&root()),
+        ["reconstruct", "--check"] => reconstruct::check(&root()),
         ["reference-loop"] => reference_loop::write(&root()),
         ["reference-loop", "--check"] => reference_loop::check(&root()),
         _ => bail!("{USAGE}"),
