@@ -1,10 +1,12 @@
 //! The workshop of stickslip: `cargo xtask COMMAND`.
 
 mod ci;
+mod figures;
 mod markdown;
 mod paper;
 mod reconstruct;
 mod reference_loop;
+mod synthetic_loop;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -13,7 +15,11 @@ use anyhow::{Result, bail};
 
 const USAGE: &str = "usage: cargo xtask COMMAND
 
-  ci                       every check of a change: format, lints, documentation, tests, the README's commands
+  ci                       every check of a change: format, lints, documentation, tests, figures, the README's commands
+  figures                  writes docs/figures and docs/src/reproduction.md: the paper's figures and numbers
+  figures --check          fails when a stated number leaves its tolerance or a committed figure shows other data
+  reconstruct              searches the parameters of the paper's Fig. 4 and writes scenes/hoffmann-2017*.json
+  reconstruct --check      fails unless those files are what the command writes
   reference-loop           writes scenes/loops/reference.csv
   reference-loop --check   fails unless that file is what the command writes";
 
@@ -32,6 +38,8 @@ fn run() -> Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["ci"] => ci::run(&root()),
+        ["figures"] => figures::write(&root()),
+        ["figures", "--check"] => figures::check(&root()),
         ["reconstruct"] => reconstruct::write(&root()),
         ["reconstruct", "--check"] => reconstruct::check(&root()),
         ["reference-loop"] => reference_loop::write(&root()),
