@@ -1,7 +1,8 @@
 //! `cargo xtask figures`: the paper's figures and numbers from the repository alone, and what the paper could not draw.
 //!
 //! Every figure is an SVG for print, a PNG to look at, and a CSV with the numbers drawn. With `--check` everything is
-//! made again in memory. Stated numbers must keep their tolerance, committed files must say the same: CSV and page up to
+//! made again in memory. The scenes must be what the search finds, stated
+//! numbers must keep their tolerance, committed files must say the same: CSV and page up to
 //! 1e-4 of each number, SVG up to 0.05 px; a PNG byte for byte where its SVG is the same byte for byte.
 
 mod alike;
@@ -32,6 +33,7 @@ const LARGEST: usize = 300_000;
 
 /// Everything that the command makes.
 struct Made {
+    search: Reconstruction,
     figures: Vec<Figure>,
     page: String,
 }
@@ -50,6 +52,8 @@ fn make(root: &Path) -> Result<Made> {
         ("parameters", search.parameter_table()),
         ("scene", search.physical_table()),
         ("search", search.search_table()),
+        ("ratios", reconstruct::mass_ratios()),
+        ("places", reconstruct::PLACES.to_string()),
         ("loops", loops.table()?),
         ("harmonics", harmonics.table()),
     ])?;
@@ -60,7 +64,7 @@ fn make(root: &Path) -> Result<Made> {
         harmonics.figure()?,
         waveforms::figure(&hysteresis)?,
     ];
-    Ok(Made { figures, page })
+    Ok(Made { search, figures, page })
 }
 
 /// Writes figures and page.
@@ -83,6 +87,7 @@ pub(crate) fn write(root: &Path) -> Result<()> {
 /// Fails when a stated number leaves its tolerance, or a committed file is not what [`write()`] writes.
 pub(crate) fn check(root: &Path) -> Result<()> {
     let made = make(root)?;
+    made.search.check(root)?;
     let folder = tempfile::tempdir()?;
     for figure in &made.figures {
         let committed = |extension| file(root, figure, extension);

@@ -28,6 +28,13 @@ pub(crate) fn significant(value: f64, digits: i32) -> String {
     format!("{rounded:.*}", decimals.max(0) as usize)
 }
 
+/// `value` with its sign and a fixed number of decimals, without negative zeros.
+pub(crate) fn signed(value: f64, decimals: i32) -> String {
+    let unit = 10.0_f64.powi(decimals);
+    let rounded = (value * unit).round() / unit + 0.0;
+    format!("{rounded:+.*}", decimals.max(0) as usize).replace('-', "−")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -38,6 +45,11 @@ mod tests {
         assert_eq!(significant(0.315_3, 3), "0.315");
         assert_eq!(significant(22.805, 3), "22.8");
         assert_eq!(significant(-0.533_6, 2), "-0.53");
+    }
+
+    #[test]
+    fn signs_are_printed_but_not_of_zero() {
+        assert_eq!((signed(-0.004, 2), signed(-0.536, 2)), ("+0.00".to_owned(), "−0.54".to_owned()));
     }
 
     #[test]

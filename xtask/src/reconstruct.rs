@@ -23,6 +23,8 @@ use parameters::Physical;
 use ranges::Ranges;
 use scenes::Scenes;
 pub(crate) use scenes::files;
+pub(crate) use report::mass_ratios;
+pub(crate) use search::PLACES;
 use search::Search;
 
 use crate::paper::statements::Comparison;
@@ -44,6 +46,11 @@ impl Reconstruction {
         let scenes = Scenes::of(&physical);
         Ok(Self { search, physical, ranges, scenes })
     }
+
+    /// Fails unless the scenes are what the search found.
+    pub(crate) fn check(&self, root: &Path) -> Result<()> {
+        self.scenes.check(root)
+    }
 }
 
 /// Writes the scenes and prints what they are worth.
@@ -64,5 +71,5 @@ pub(crate) fn write(root: &Path) -> Result<()> {
 
 /// Fails unless the scenes are what [`write()`] writes.
 pub(crate) fn check(root: &Path) -> Result<()> {
-    Reconstruction::find()?.scenes.check(root)
+    Reconstruction::find()?.check(root)
 }

@@ -37,7 +37,6 @@ impl Loops {
                 frequency: 20.0,
                 samples_per_cycle: 201.3,
                 steady: 4,
-                start: 0.37,
                 force_noise: 0.01,
                 displacement_noise: 0.002,
                 displacement_offset: 0.15,
@@ -76,7 +75,7 @@ impl Loops {
             traces.push(Trace::line(format!("record {micrometres} um"), first, pens::RECORD, &steady(record, fit)));
         }
         for ((_, fit), micrometres) in self.records.iter().zip(AMPLITUDES) {
-            let first = if micrometres == AMPLITUDES[0] { "its Fourier series" } else { "" };
+            let first = if micrometres == AMPLITUDES[0] { "fitted Fourier series" } else { "" };
             let label = format!("series {micrometres} um");
             traces.push(Trace::line(label, first, pens::MAIN, &series(fit, fit.hysteresis_loop.coefficients())));
         }
@@ -107,9 +106,9 @@ impl Loops {
         let mut traces = Vec::new();
         for ((_, fit), micrometres) in self.records.iter().zip(AMPLITUDES) {
             if PREDICTED.contains(&micrometres) {
-                let name = if traces.is_empty() { "synthetic record's series" } else { "" };
+                let name = if traces.is_empty() { "synthetic record" } else { "" };
                 let cycle = series(fit, fit.hysteresis_loop.coefficients());
-                traces.push(Trace::line(format!("record {micrometres} um"), name, pens::FAINT, &cycle));
+                traces.push(Trace::line(format!("record {micrometres} um"), name, pens::BEHIND, &cycle));
             }
         }
         for micrometres in PREDICTED {
@@ -159,10 +158,12 @@ impl Loops {
                 format!("{:.3} N", scale * g),
                 format!("{:.4} π", measured.phase() / PI),
                 format!("{:.4} π", psi / PI),
+                format!("{:.2} N", measured.force_amplitude()),
+                format!("{:.2} N", self.law.reference_force() * g),
                 format!("{:.1} %", 100.0 * fit.noise),
             ]
         };
-        let head = ["amplitude found", "force at the tip", "eq. (6)", "phase of F₁", "π + ψ_C, eq. (7)", "noise found"];
+        let head = ["amplitude found", "force at the turning point", "eq. (6)", "phase of F₁", "eq. (7)", "magnitude of F₁", "F* g(α)", "scatter"];
         Ok(table(head, &self.records.iter().map(row).collect::<Vec<_>>()))
     }
 }

@@ -1,7 +1,7 @@
 //! Strokes of these figures: told apart by dash and by brightness, so that grey print keeps them.
 
 use plot::Pen;
-pub(crate) use plot::pen::{FAINT, MAIN, REFERENCE};
+pub(crate) use plot::pen::{MAIN, REFERENCE};
 
 /// Elastic Coulomb friction: dotted, as in the paper.
 pub(crate) const DOTTED: Pen = Pen { color: "#1a1a1a", width: 1.5, dash: Some("1.5 2") };
@@ -15,6 +15,9 @@ pub(crate) const PREDICTED: Pen = Pen { color: "#12397a", width: 1.4, dash: Some
 pub(crate) const ONE_HARMONIC: Pen = Pen { color: "#d2691e", width: 1.2, dash: None };
 /// A record behind what is made of it.
 pub(crate) const RECORD: Pen = Pen { color: "#c4c4c4", width: 0.5, dash: None };
+
+/// A loop for comparison.
+pub(crate) const BEHIND: Pen = Pen { color: "#8f8f8f", width: 0.9, dash: None };
 
 /// N = 1, 3, 7, 31.
 pub(crate) const HARMONICS: [Pen; 4] = [

@@ -7,7 +7,7 @@ use hbm::Problem;
 use scene::Scene;
 
 use super::reading::{Agreement, BLADE, ROOT, Reading};
-use crate::markdown::table;
+use crate::markdown::{signed, table};
 
 /// One number that the paper prints.
 #[derive(Debug, Clone, Copy)]
@@ -149,7 +149,6 @@ impl Comparison {
 
     /// The statements as a table.
     pub(crate) fn table(&self) -> String {
-        let signed = |value: f64, decimals: usize| format!("{value:+.decimals$}").replace('-', "−");
         let mut rows: Vec<[String; 5]> = STATEMENTS
             .iter()
             .map(|s| {

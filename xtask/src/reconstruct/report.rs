@@ -3,6 +3,7 @@
 use super::Reconstruction;
 use super::parameters::{COUNT, Physical, QUANTITIES};
 use crate::markdown::{significant, table};
+use crate::paper::statements::STATEMENTS;
 
 /// Significant digits of the best set's numbers.
 const DIGITS: i32 = 3;
@@ -56,4 +57,14 @@ impl Reconstruction {
         }
         table(["starts", "sum of squares", "m2/m1", "F*/(c1 W*)"], &rows)
     }
+}
+
+/// The two values of m2/m1 that give exactly the stated ratio of undamped resonances R = f2/f1 when c1 = c2: with
+/// x = √(m2/m1), 2 x + 1/x = R + 1/R.
+pub(crate) fn mass_ratios() -> String {
+    let [first, second] = [STATEMENTS[0].stated, STATEMENTS[1].stated];
+    let sum = second / first + first / second;
+    let root = (sum * sum - 8.0).sqrt();
+    let ratio = |sign: f64| significant(((sum + sign * root) / 4.0).powi(2), DIGITS);
+    format!("{} or {}", ratio(-1.0), ratio(1.0))
 }

@@ -7,6 +7,7 @@ use argmin::core::{CostFunction, Executor, State};
 use argmin::solver::neldermead::NelderMead;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::parameters::{COUNT, Parameters};
 use crate::paper::reading::Reading;
@@ -33,9 +34,9 @@ const BOX: [(f64, f64); COUNT] = [
 
 const SEED: u64 = 2017;
 /// Places looked at, and how many of the best become starts.
-const PLACES: usize = 1000;
+pub(crate) const PLACES: usize = 1000;
 const STARTS: usize = 12;
-/// Edges of the simplices of one start, each begun where the one before ended: one that has collapsed goes no further.
+/// Edges of the simplices of one start: a simplex that has collapsed goes no further, a fresh one may.
 const EDGES: [f64; 6] = [0.2, 0.1, 0.1, 0.05, 0.02, 0.02];
 const ITERATIONS: u64 = 150;
 /// Cost of a response without the features that the paper describes.
@@ -44,28 +45,36 @@ const SHAPELESS: f64 = 1e6;
 /// Searches from the best of many random places.
 pub(crate) fn search() -> Result<Search> {
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let mut places = Vec::new();
-    for _ in 0..PLACES {
-        let place = BOX.map(|(low, high)| f64::ln(low) + rng.random::<f64>() * f64::ln(high / low));
-        places.push((cost(&place)?, place.to_vec()));
-    }
+    let mut place = || BOX.map(|(low, high)| f64::ln(low) + rng.random::<f64>() * f64::ln(high / low));
+    let places: Vec<_> = (0..PLACES).map(|_| place()).collect();
+    let look = |place: &[f64; COUNT]| Ok((cost(place)?, place.to_vec()));
+    let mut places = places.par_iter().map(look).collect::<Result<Vec<_>>>()?;
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut ends = Vec::new();
-    for start in places.into_iter().take(STARTS) {
-        let mut end = start;
-        for edge in EDGES {
-            end = descend(&end.1, edge, ITERATIONS, cost)?;
-        }
-        ends.push(end);
-    }
+    places.truncate(STARTS);
+    let go = |(_, start): &(f64, Vec<f64>)| descend_on(start, &EDGES, ITERATIONS, cost);
+    let mut ends = places.par_iter().map(go).collect::<Result<Vec<_>>>()?;
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let sets: Vec<Parameters> = ends.iter().map(|(_, place)| at(place)).collect();
     let best = *sets.first().context("no start")?;
     Ok(Search { best, costs: ends.iter().map(|(cost, _)| *cost).collect(), ends: sets })
 }
 
+/// One simplex after the other, each with its edges from where the one before ended.
+pub(crate) fn descend_on(
+    start: &[f64],
+    edges: &[f64],
+    iterations: u64,
+    cost: impl Fn(&[f64]) -> Result<f64> + Copy,
+) -> Result<(f64, Vec<f64>)> {
+    let mut end = (f64::INFINITY, start.to_vec());
+    for edge in edges {
+        end = descend(&end.1, *edge, iterations, cost)?;
+    }
+    Ok(end)
+}
+
 /// The simplex with edges of `size` from `start`; cost and place of its best corner.
-pub(crate) fn descend(
+fn descend(
     start: &[f64],
     size: f64,
     iterations: u64,
