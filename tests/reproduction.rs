@@ -81,10 +81,11 @@ fn peak(mut from: f64, mut to: f64, curve: impl Fn(f64) -> f64) -> (f64, f64) {
     best
 }
 
-fn solver(problem: &Problem) -> impl Fn(f64, usize) -> f64 {
-    let plan = Plan::new(problem, &Settings::new(1)).unwrap();
+fn solver(problem: Problem) -> impl Fn(f64, usize) -> f64 {
+    let plan = Plan::new(&problem, &Settings::new(1)).unwrap();
     move |hertz, output| {
-        let solution = plan.solve(hertz, &mut plan.workspace());
+        let mut workspace = plan.workspace();
+        let solution = plan.solve(hertz, &mut workspace);
         assert_eq!(solution.status, Status::Converged, "{hertz} Hz");
         solution.displacement[output][0].norm()
     }
@@ -109,7 +110,7 @@ fn resonances_and_reductions_are_those_of_fig_4() {
     near(first.0, 43.0, 0.5);
     near(second.0, 108.0, 0.7);
 
-    let response = solver(&structure.problem(paper_law()));
+    let response = solver(structure.problem(paper_law()));
     let (damped_first, damped_second) =
         (peak(50.0, 70.0, |f| response(f, 1)), peak(95.0, 125.0, |f| response(f, 1)));
     near(100.0 * (1.0 - damped_first.1 / first.1), 96.0, 0.5);
@@ -133,12 +134,11 @@ fn undamped_resonances_solve_the_characteristic_equation() {
 fn elastic_coulomb_is_tuned_to_the_static_response_and_bends_where_stated() {
     let (structure, law) = read("hoffmann-2017-elastic-coulomb.json");
     assert_eq!(structure, read("hoffmann-2017.json").0);
-    let (stiffness, slip_force) =
-        (law["stiffness"].as_f64().unwrap(), law["slip_force"].as_f64().unwrap());
+    let (stiffness, slip_force) = (law["stiffness"].as_f64().unwrap(), law["slip_force"].as_f64().unwrap());
 
     // Static: (1/c2 + 1/(c1 + k_t)) f̂ while the contact sticks, against the law's by the solver.
     let static_blade = structure.excitation * (1.0 / structure.c + 1.0 / (structure.c + stiffness));
-    let response = solver(&structure.problem(paper_law()));
+    let response = solver(structure.problem(paper_law()));
     near(response(1e-3, 1) / static_blade, 1.0, 0.005);
 
     // Slip where |w1| of the sticking system passes x_c: lowest and highest such frequency.
@@ -151,7 +151,7 @@ fn elastic_coulomb_is_tuned_to_the_static_response_and_bends_where_stated() {
 
     // And the balance itself: on the sticking branch outside, off it inside.
     let parameters = ElasticCoulombParameters { stiffness, slip_force };
-    let response = solver(&structure.problem(Arc::new(ElasticCoulomb::new(parameters).unwrap())));
+    let response = solver(structure.problem(Arc::new(ElasticCoulomb::new(parameters).unwrap())));
     let off = |f: f64| (response(f, 0) / structure.with_spring(stiffness, f)[0] - 1.0).abs();
     for f in [first - 0.5, last + 0.5] {
         assert!(off(f) < 1e-9, "{f} Hz: {}", off(f));

@@ -12,7 +12,8 @@ pub(crate) fn table<const N: usize>(head: [&str; N], rows: &[[String; N]]) -> St
         });
         format!("|{}|\n", cells.collect::<Vec<_>>().join("|"))
     };
-    let rule = |i: usize| if i == 0 { "-".repeat(width(i) + 2) } else { format!("{}:", "-".repeat(width(i) + 1)) };
+    let rule =
+        |i: usize| if i == 0 { "-".repeat(width(i) + 2) } else { format!("{}:", "-".repeat(width(i) + 1)) };
     let rules = format!("|{}|\n", (0..N).map(rule).collect::<Vec<_>>().join("|"));
     line(&head) + &rules + &rows.iter().map(line).collect::<String>()
 }
@@ -56,6 +57,9 @@ mod tests {
     fn columns_are_aligned() {
         let rows = [["a".to_owned(), "1.25".to_owned()], ["long name".to_owned(), "3".to_owned()]];
         let table = table(["", "value"], &rows);
-        assert_eq!(table, "|           | value |\n|-----------|------:|\n| a         |  1.25 |\n| long name |     3 |\n");
+        assert_eq!(
+            table,
+            "|           | value |\n|-----------|------:|\n| a         |  1.25 |\n| long name |     3 |\n"
+        );
     }
 }

@@ -21,9 +21,9 @@ use anyhow::{Context, Result};
 
 use parameters::Physical;
 use ranges::Ranges;
+pub(crate) use report::mass_ratios;
 use scenes::Scenes;
 pub(crate) use scenes::files;
-pub(crate) use report::mass_ratios;
 pub(crate) use search::PLACES;
 use search::Search;
 

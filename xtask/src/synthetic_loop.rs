@@ -131,7 +131,11 @@ mod tests {
     fn the_coefficients_are_integrated_to_rounding() {
         // Dahl's loop dissipates 4 (a − x_s tanh(a/x_s)) a unit of friction force; only Im F_1 does: π a Im F_1.
         let exact = 4.0 * (1.0 - SHARPNESS.tanh() / SHARPNESS) / PI;
-        assert!((dahl_coefficient(1.0, SHARPNESS).im - exact).abs() < 1e-8, "{}", dahl_coefficient(1.0, SHARPNESS).im - exact);
+        assert!(
+            (dahl_coefficient(1.0, SHARPNESS).im - exact).abs() < 1e-8,
+            "{}",
+            dahl_coefficient(1.0, SHARPNESS).im - exact
+        );
     }
 
     #[test]

@@ -21,7 +21,9 @@ pub(crate) fn require(committed: &str, made: &str, slack: Slack) -> Result<()> {
         match (old.next(), new.next()) {
             (None, None) => return Ok(()),
             (Some(a), Some(b)) if alike(a, b, slack) => {}
-            (a, b) => bail!("line {number}: {:?} is committed, {:?} is made", a.unwrap_or(""), b.unwrap_or("")),
+            (a, b) => {
+                bail!("line {number}: {:?} is committed, {:?} is made", a.unwrap_or(""), b.unwrap_or(""))
+            }
         }
     }
 }
@@ -36,7 +38,8 @@ fn alike(a: &str, b: &str, slack: Slack) -> bool {
             (None, None) => return true,
             (Some(a), Some(b)) if a == b => {}
             (Some(a), Some(b)) => match (a.parse::<f64>(), b.parse::<f64>()) {
-                (Ok(x), Ok(y)) if (x - y).abs() <= slack.absolute.max(slack.relative * x.abs().max(y.abs())) => {}
+                (Ok(x), Ok(y))
+                    if (x - y).abs() <= slack.absolute.max(slack.relative * x.abs().max(y.abs())) => {}
                 _ => return false,
             },
             _ => return false,
@@ -64,7 +67,9 @@ fn pieces(line: &str) -> impl Iterator<Item = &str> {
 /// Length of the number that `text` begins with; 0 for none.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
-    let digits = |from: usize| bytes.get(from..).map_or(0, |rest| rest.iter().take_while(|b| b.is_ascii_digit()).count());
+    let digits = |from: usize| {
+        bytes.get(from..).map_or(0, |rest| rest.iter().take_while(|b| b.is_ascii_digit()).count())
+    };
     let sign = usize::from(bytes.first() == Some(&b'-'));
     let whole = digits(sign);
     if whole == 0 {

@@ -36,17 +36,32 @@ pub(crate) struct Trace {
 
 impl Trace {
     /// `name` stands in the legend; empty for none.
-    pub(crate) fn new(label: impl Into<String>, name: &'static str, pen: Pen, points: Vec<(f64, Option<f64>)>) -> Self {
+    pub(crate) fn new(
+        label: impl Into<String>,
+        name: &'static str,
+        pen: Pen,
+        points: Vec<(f64, Option<f64>)>,
+    ) -> Self {
         Self { label: label.into(), curve: Curve { name, points, pen } }
     }
 
     /// Points without gaps.
-    pub(crate) fn line(label: impl Into<String>, name: &'static str, pen: Pen, points: &[(f64, f64)]) -> Self {
+    pub(crate) fn line(
+        label: impl Into<String>,
+        name: &'static str,
+        pen: Pen,
+        points: &[(f64, f64)],
+    ) -> Self {
         Self::new(label, name, pen, points.iter().map(|&(x, y)| (x, Some(y))).collect())
     }
 
     /// Dots: no two points are joined.
-    pub(crate) fn dots(label: impl Into<String>, name: &'static str, pen: Pen, points: &[(f64, f64)]) -> Self {
+    pub(crate) fn dots(
+        label: impl Into<String>,
+        name: &'static str,
+        pen: Pen,
+        points: &[(f64, f64)],
+    ) -> Self {
         Self::new(label, name, pen, points.iter().flat_map(|&(x, y)| [(x, Some(y)), (x, None)]).collect())
     }
 }
@@ -80,7 +95,9 @@ impl Figure {
         text.push_str("panel,curve,x,y\n");
         for (panel, letter) in self.panels.iter().zip('a'..) {
             for Trace { label, curve } in &panel.traces {
-                let size = |f: fn(&(f64, Option<f64>)) -> f64| curve.points.iter().map(f).fold(0.0_f64, |a, b| a.max(b.abs()));
+                let size = |f: fn(&(f64, Option<f64>)) -> f64| {
+                    curve.points.iter().map(f).fold(0.0_f64, |a, b| a.max(b.abs()))
+                };
                 let (across, up) = (size(|p| p.0), size(|p| p.1.unwrap_or(0.0)));
                 for &(x, y) in &curve.points {
                     let y = y.map_or(String::new(), |y| six(y, up));
@@ -106,7 +123,11 @@ fn six(value: f64, size: f64) -> String {
                 let plain = format!("{value:.*}", (5 - exponent).max(0) as usize);
                 return plain.trim_end_matches('0').trim_end_matches('.').to_owned();
             }
-            let mantissa = if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+            let mantissa = if mantissa.contains('.') {
+                mantissa.trim_end_matches('0').trim_end_matches('.')
+            } else {
+                mantissa
+            };
             format!("{mantissa}e{exponent}")
         }
         None => digits,

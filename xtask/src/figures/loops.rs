@@ -54,7 +54,8 @@ impl Loops {
         }
         let (_, reference) = records.last().context("no record")?;
         let (magnitude, phase) = (MagnitudeLaw::default(), PhaseLaw::default());
-        let law = ScaledLoop::new(&reference.hysteresis_loop, reference.noise, magnitude, phase, Symmetry::Auto)?;
+        let law =
+            ScaledLoop::new(&reference.hysteresis_loop, reference.noise, magnitude, phase, Symmetry::Auto)?;
         Ok(Self { records, law })
     }
 
@@ -72,12 +73,22 @@ impl Loops {
         let mut traces = Vec::new();
         for ((record, fit), micrometres) in self.records.iter().zip(AMPLITUDES) {
             let first = if traces.is_empty() { "synthetic record" } else { "" };
-            traces.push(Trace::line(format!("record {micrometres} um"), first, pens::RECORD, &steady(record, fit)));
+            traces.push(Trace::line(
+                format!("record {micrometres} um"),
+                first,
+                pens::RECORD,
+                &steady(record, fit),
+            ));
         }
         for ((_, fit), micrometres) in self.records.iter().zip(AMPLITUDES) {
             let first = if micrometres == AMPLITUDES[0] { "fitted Fourier series" } else { "" };
             let label = format!("series {micrometres} um");
-            traces.push(Trace::line(label, first, pens::MAIN, &series(fit, fit.hysteresis_loop.coefficients())));
+            traces.push(Trace::line(
+                label,
+                first,
+                pens::MAIN,
+                &series(fit, fit.hysteresis_loop.coefficients()),
+            ));
         }
         let scale = self.tip_scale()?;
         let curve = |sign: f64| {
@@ -89,7 +100,9 @@ impl Loops {
         let both = curve(-1.0).chain([(0.0, None)]).chain(curve(1.0)).collect();
         traces.push(Trace::new("eq. (6)", "eq. (6)", pens::SCALING, both));
         let tips: Vec<(f64, f64)> = (self.records.iter().map(|(_, fit)| &fit.hysteresis_loop))
-            .flat_map(|l| [(l.displacement_amplitude(), l.force(0.0)), (-l.displacement_amplitude(), l.force(PI))])
+            .flat_map(|l| {
+                [(l.displacement_amplitude(), l.force(0.0)), (-l.displacement_amplitude(), l.force(PI))]
+            })
             .collect();
         traces.push(Trace::dots("turning points", "", pens::DOT, &tips));
         Ok(Figure {
@@ -113,11 +126,18 @@ impl Loops {
         }
         for micrometres in PREDICTED {
             let a = 1e-6 * micrometres;
-            let first = self.law.describing_function().map(|law| law.first_harmonic(a).force).unwrap_or_default();
+            let first =
+                self.law.describing_function().map(|law| law.first_harmonic(a).force).unwrap_or_default();
             let ellipse = |theta: f64| (a * theta.cos(), (first * Complex64::cis(theta)).re);
             let ellipse: Vec<_> = turn(180).map(ellipse).collect();
-            let name = if micrometres == PREDICTED[0] { ("monoharmonic", "predicted from 8 µm") } else { ("", "") };
-            traces.push(Trace::line(format!("monoharmonic {micrometres} um"), name.0, pens::ONE_HARMONIC, &ellipse));
+            let name =
+                if micrometres == PREDICTED[0] { ("monoharmonic", "predicted from 8 µm") } else { ("", "") };
+            traces.push(Trace::line(
+                format!("monoharmonic {micrometres} um"),
+                name.0,
+                pens::ONE_HARMONIC,
+                &ellipse,
+            ));
             let loop_ = self.predict(a)?;
             traces.push(Trace::line(format!("predicted {micrometres} um"), name.1, pens::PREDICTED, &loop_));
         }
@@ -137,7 +157,8 @@ impl Loops {
         let displacement: Vec<f64> = phases.iter().map(|t| a * t.cos()).collect();
         let velocity: Vec<f64> = phases.iter().map(|t| -a * t.sin()).collect();
         let spectrum = [Complex64::ZERO, Complex64::new(a, 0.0)];
-        let motion = Motion { spectrum: &spectrum, displacement: &displacement, velocity: &velocity, odd: true };
+        let motion =
+            Motion { spectrum: &spectrum, displacement: &displacement, velocity: &velocity, odd: true };
         let mut force = vec![0.0; SAMPLES];
         self.law.force(&motion, &mut Workspace::new(SAMPLES), &mut force)?;
         let mut points: Vec<_> = displacement.into_iter().zip(force).collect();
@@ -163,7 +184,16 @@ impl Loops {
                 format!("{:.1} %", 100.0 * fit.noise),
             ]
         };
-        let head = ["amplitude found", "force at the turning point", "eq. (6)", "phase of F₁", "eq. (7)", "magnitude of F₁", "F* g(α)", "scatter"];
+        let head = [
+            "amplitude found",
+            "force at the turning point",
+            "eq. (6)",
+            "phase of F₁",
+            "eq. (7)",
+            "magnitude of F₁",
+            "F* g(α)",
+            "scatter",
+        ];
         Ok(table(head, &self.records.iter().map(row).collect::<Vec<_>>()))
     }
 }
@@ -197,7 +227,9 @@ fn series(fit: &Fit, coefficients: &[Complex64]) -> Vec<(f64, f64)> {
     let force = |theta: f64| -> f64 {
         (0_u32..).zip(coefficients).map(|(k, c)| (c * Complex64::cis(f64::from(k) * theta)).re).sum()
     };
-    turn(360).map(|theta| (fit.hysteresis_loop.displacement_amplitude() * theta.cos(), force(theta))).collect()
+    turn(360)
+        .map(|theta| (fit.hysteresis_loop.displacement_amplitude() * theta.cos(), force(theta)))
+        .collect()
 }
 
 /// Once around, both ends included.

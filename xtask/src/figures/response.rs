@@ -9,7 +9,8 @@ use super::pens;
 use crate::markdown::{signed, table};
 
 /// (Hz, |W_1| in m); `None` where there is no solution.
-type Response = Vec<(f64, Option<f64>)>;
+type Point = (f64, Option<f64>);
+type Response = Vec<Point>;
 
 /// Numbers of harmonics that are compared; the last is the reference.
 pub(crate) const HARMONICS: [usize; 4] = [1, 3, 7, 31];
@@ -26,14 +27,23 @@ pub(crate) fn paper(hysteresis: &Scene, coulomb: &Scene) -> Result<Figure> {
     let (solved, other) = (prepared.solve(&RunOptions::default()), other.solve(&RunOptions::default()));
     let mut panels = Vec::new();
     let headings = ["(a) m1, blade root", "(b) m2, blade"];
-    for ((one, other), heading) in solved.responses().responses.into_iter().zip(other.responses().responses).zip(headings) {
+    for ((one, other), heading) in
+        solved.responses().responses.into_iter().zip(other.responses().responses).zip(headings)
+    {
         let traces = vec![
             Trace::new("linear", "linear", pens::REFERENCE, one.linear),
             Trace::new("elastic Coulomb", "elastic Coulomb", pens::DOTTED, other.contact),
             Trace::new("hysteresis model", "hysteresis model", pens::MAIN, one.contact),
         ];
         let last = panels.len() == 1;
-        panels.push(panel(format!("{heading} (parameters reconstructed)"), (0.0, 200.0), traces, last, !last, 150.0)?);
+        panels.push(panel(
+            format!("{heading} (parameters reconstructed)"),
+            (0.0, 200.0),
+            traces,
+            last,
+            !last,
+            150.0,
+        )?);
     }
     Ok(Figure {
         name: "fig-4-response",
@@ -78,7 +88,8 @@ impl Harmonics {
                 }
             }
         }
-        let beyond = COMPARED.map(|hertz| amplitude(hysteresis, hertz, BEYOND)).into_iter().collect::<Result<_>>()?;
+        let beyond =
+            COMPARED.map(|hertz| amplitude(hysteresis, hertz, BEYOND)).into_iter().collect::<Result<_>>()?;
         Ok(Self { responses, beyond, reversals })
     }
 
@@ -90,7 +101,7 @@ impl Harmonics {
         };
         let differences = (self.responses.iter().zip(NAMES).zip(pens::HARMONICS).take(3))
             .map(|((response, name), pen)| {
-                let difference = |(one, other): (&(f64, Option<f64>), &(f64, Option<f64>))| {
+                let difference = |(one, other): (&Point, &Point)| {
                     (one.0, one.1.zip(other.1).map(|(a, b)| 100.0 * (a / b - 1.0).abs()))
                 };
                 let exact = &self.responses[HARMONICS.len() - 1][0];
@@ -124,7 +135,10 @@ impl Harmonics {
             point.and_then(|(_, amplitude)| *amplitude).unwrap_or(f64::NAN)
         };
         let off = |n: usize, mass: usize, hertz: f64| {
-            format!("{} %", signed(100.0 * (at(n, mass, hertz) / at(HARMONICS.len() - 1, mass, hertz) - 1.0), 1))
+            format!(
+                "{} %",
+                signed(100.0 * (at(n, mass, hertz) / at(HARMONICS.len() - 1, mass, hertz) - 1.0), 1)
+            )
         };
         let row = |(hertz, beyond): (f64, &f64)| {
             let last = at(HARMONICS.len() - 1, 0, hertz) / beyond - 1.0;
@@ -138,7 +152,8 @@ impl Harmonics {
                 off(0, 1, hertz),
             ]
         };
-        let head = ["", "m1, N = 31", "m1, N = 1", "m1, N = 3", "m1, N = 7", "m1, 31 against 63", "m2, N = 1"];
+        let head =
+            ["", "m1, N = 31", "m1, N = 1", "m1, N = 3", "m1, N = 7", "m1, 31 against 63", "m2, N = 1"];
         table(head, &COMPARED.into_iter().zip(&self.beyond).map(row).collect::<Vec<_>>())
     }
 }
@@ -149,7 +164,9 @@ fn amplitude(scene: &Scene, hertz: f64, n: usize) -> Result<f64> {
     let prepared = scene.prepare()?;
     let responses = prepared.solve(&RunOptions::default()).responses().responses;
     let point = responses.first().and_then(|response| response.contact.first());
-    point.and_then(|(_, amplitude)| *amplitude).with_context(|| format!("{hertz} Hz with N = {n} was not solved"))
+    point
+        .and_then(|(_, amplitude)| *amplitude)
+        .with_context(|| format!("{hertz} Hz with N = {n} was not solved"))
 }
 
 /// Leaves out what lies below the frame.

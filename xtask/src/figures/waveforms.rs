@@ -22,7 +22,10 @@ pub(crate) fn figure(hysteresis: &Scene) -> Result<Figure> {
     let mut panels = Vec::new();
     for (hertz, [left, right]) in FREQUENCIES.into_iter().zip([["(a)", "(b)"], ["(c)", "(d)"]]) {
         let (one, many) = (period(hysteresis, hertz, 1)?, period(hysteresis, hertz, 31)?);
-        let headings = [format!("{left} {hertz} Hz, friction loop (new)"), format!("{right} {hertz} Hz, motion of m1 (new)")];
+        let headings = [
+            format!("{left} {hertz} Hz, friction loop (new)"),
+            format!("{right} {hertz} Hz, motion of m1 (new)"),
+        ];
         panels.extend(row(headings, &[("N = 1 (paper)", &one), ("N = 31", &many)], (0.0, 1.0))?);
         if Some(&hertz) == FREQUENCIES.last() {
             let inside = |(t, _, _): &&(f64, f64, f64)| (DETAIL.0..=DETAIL.1).contains(t);
@@ -44,15 +47,22 @@ pub(crate) fn figure(hysteresis: &Scene) -> Result<Figure> {
 }
 
 /// Loop and motion of the same periods.
-fn row(headings: [String; 2], periods: &[(&'static str, &Period)], (from, to): (f64, f64)) -> Result<[Panel; 2]> {
+fn row(
+    headings: [String; 2],
+    periods: &[(&'static str, &Period)],
+    (from, to): (f64, f64),
+) -> Result<[Panel; 2]> {
     let pen = |name: &str| if name == "N = 31" { pens::HARMONICS[3] } else { pens::HARMONICS[0] };
-    let trace = |(name, period): &(&'static str, &Period), shown: bool, x: fn(&(f64, f64, f64)) -> (f64, f64)| {
-        let points: Vec<_> = period.iter().map(x).collect();
-        Trace::line(*name, if shown { name } else { "" }, pen(name), &points)
-    };
+    let trace =
+        |(name, period): &(&'static str, &Period), shown: bool, x: fn(&(f64, f64, f64)) -> (f64, f64)| {
+            let points: Vec<_> = period.iter().map(x).collect();
+            Trace::line(*name, if shown { name } else { "" }, pen(name), &points)
+        };
     let loops: Vec<Trace> = periods.iter().map(|p| trace(p, true, |&(_, w, f)| (w, f))).collect();
     let motions = periods.iter().map(|p| trace(p, false, |&(t, w, _)| (t, w))).collect();
-    let all = |pick: fn(&(f64, f64, f64)) -> f64| periods.iter().flat_map(move |(_, period)| period.iter().map(pick));
+    let all = |pick: fn(&(f64, f64, f64)) -> f64| {
+        periods.iter().flat_map(move |(_, period)| period.iter().map(pick))
+    };
     let w = Axis::measured("w1", "m", all(|p| p.1)).context("no motion")?;
     let f = Axis::measured("friction force", "N", all(|p| p.2)).context("no force")?;
     let t = Axis::tight("Ωt / 2π".into(), [from, to].into_iter()).context("no time")?;

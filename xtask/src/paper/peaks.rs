@@ -41,10 +41,12 @@ pub(crate) fn peak(
     let places = grid(from, to, step);
     let values: Vec<f64> = places.iter().map(|&x| curve(x)).collect();
     let inner = |i: &usize| values[*i] >= values[i - 1] && values[*i] > values[i + 1];
-    let top = (1..values.len().saturating_sub(1)).filter(inner).max_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let top =
+        (1..values.len().saturating_sub(1)).filter(inner).max_by(|a, b| values[*a].total_cmp(&values[*b]));
     let Some(i) = top else { return Ok(None) };
     let solver = BrentOpt::new(places[i - 1], places[i + 1]).set_tolerance(f64::EPSILON.sqrt(), RESOLUTION);
-    let run = Executor::new(Curve(RefCell::new(&mut curve), -1.0), solver).run().context("Brent's minimiser")?;
+    let run =
+        Executor::new(Curve(RefCell::new(&mut curve), -1.0), solver).run().context("Brent's minimiser")?;
     let frequency = run.state.best_param.context("Brent's minimiser found nothing")?;
     Ok(Some(Peak { frequency, amplitude: curve(frequency) }))
 }
@@ -65,7 +67,8 @@ pub(crate) fn crossings(
     };
     let mut refine = |i: usize| -> Result<f64> {
         let solver = BrentRoot::new(places[i], places[i + 1], RESOLUTION);
-        let run = Executor::new(Curve(RefCell::new(&mut curve), 1.0), solver).run().context("Brent's root")?;
+        let run =
+            Executor::new(Curve(RefCell::new(&mut curve), 1.0), solver).run().context("Brent's root")?;
         run.state.best_param.context("Brent's root found nothing")
     };
     Ok(Some((refine(first)?, refine(last)?)))
@@ -92,7 +95,9 @@ mod tests {
     #[test]
     fn crossings_are_first_and_last() {
         let (first, last) = crossings((0.1, 10.0), 0.3, f64::sin).unwrap().unwrap();
-        assert!((first - std::f64::consts::PI).abs() < 1e-6 && (last - 3.0 * std::f64::consts::PI).abs() < 1e-6);
+        assert!(
+            (first - std::f64::consts::PI).abs() < 1e-6 && (last - 3.0 * std::f64::consts::PI).abs() < 1e-6
+        );
         assert_eq!(crossings((0.1, 3.0), 0.3, f64::sin).unwrap(), None);
     }
 }

@@ -63,10 +63,12 @@ impl Reading {
         let mut response = Response::new(hysteresis)?;
         let near = |f: f64| (0.9 * f, 1.1 * f);
         let between = (1.02 * low, 0.9 * high);
-        let Some(linear_first) = peak(near(*low), 0.02 * low, |f| response.linear_amplitude(f, BLADE))? else {
+        let Some(linear_first) = peak(near(*low), 0.02 * low, |f| response.linear_amplitude(f, BLADE))?
+        else {
             return Ok(None);
         };
-        let Some(linear_second) = peak(near(*high), 0.02 * high, |f| response.linear_amplitude(f, BLADE))? else {
+        let Some(linear_second) = peak(near(*high), 0.02 * high, |f| response.linear_amplitude(f, BLADE))?
+        else {
             return Ok(None);
         };
         let Some(first) = peak(between, 2.5, |f| response.amplitude(f, BLADE))? else { return Ok(None) };
@@ -103,12 +105,20 @@ pub(crate) struct Agreement {
 }
 
 impl Agreement {
-    /// Of `output` from 60 Hz to 120 Hz, where the paper says both models agree, in steps of 0.1 Hz.
-    pub(crate) fn of(hysteresis: &Problem, coulomb: &Problem, output: usize) -> Result<Self> {
+    /// Of `output` between two frequencies in Hz, in steps of 0.1 Hz.
+    pub(crate) fn of(
+        hysteresis: &Problem,
+        coulomb: &Problem,
+        output: usize,
+        (from, to): (f64, f64),
+    ) -> Result<Self> {
         let (mut one, mut other) = (Response::new(hysteresis)?, Response::new(coulomb)?);
         let difference = |f: f64| ((one.amplitude(f, output) / other.amplitude(f, output) - 1.0).abs(), f);
-        let mut differences: Vec<(f64, f64)> = grid(60.0, 120.0, 0.1).into_iter().map(difference).collect();
-        ensure!(differences.iter().all(|(d, _)| d.is_finite()), "a point between 60 Hz and 120 Hz was not solved");
+        let mut differences: Vec<(f64, f64)> = grid(from, to, 0.1).into_iter().map(difference).collect();
+        ensure!(
+            differences.iter().all(|(d, _)| d.is_finite()),
+            "a point between {from} Hz and {to} Hz was not solved"
+        );
         differences.sort_by(|a, b| a.0.total_cmp(&b.0));
         let median = differences[differences.len() / 2].0;
         let (largest, at) = differences[differences.len() - 1];

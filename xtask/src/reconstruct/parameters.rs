@@ -52,10 +52,13 @@ pub(crate) struct Physical {
 impl Parameters {
     /// Where the set lies in the search: the logarithms of its numbers.
     pub(crate) fn place(&self) -> [f64; COUNT] {
-        [self.frequency, self.mass_ratio, self.damping, self.friction, self.excitation, self.slip].map(f64::ln)
+        [self.frequency, self.mass_ratio, self.damping, self.friction, self.excitation, self.slip]
+            .map(f64::ln)
     }
 
-    pub(crate) fn from_values([frequency, mass_ratio, damping, friction, excitation, slip]: [f64; COUNT]) -> Self {
+    pub(crate) fn from_values(
+        [frequency, mass_ratio, damping, friction, excitation, slip]: [f64; COUNT],
+    ) -> Self {
         Self { frequency, mass_ratio, damping, friction, excitation, slip }
     }
 
@@ -108,7 +111,13 @@ impl Physical {
         let amplitude = self.excitation;
         Ok(Problem {
             model,
-            excitation: vec![Excitation { dof: 1, harmonic: 1, amplitude, phase: 0.0, kind: ExcitationKind::Force }],
+            excitation: vec![Excitation {
+                dof: 1,
+                harmonic: 1,
+                amplitude,
+                phase: 0.0,
+                kind: ExcitationKind::Force,
+            }],
             contacts: vec![Contact { name: "root".into(), first: 0, second: None, law, scale: 1.0 }],
             output: vec![0, 1],
         })
@@ -131,5 +140,9 @@ pub(crate) const QUANTITIES: [Quantity; COUNT + 1] = [
     Quantity { name: "F*/(c1 W*)", unit: "", value: |p, _| p.friction },
     Quantity { name: "f̂/F*", unit: "", value: |p, _| p.excitation },
     Quantity { name: "x_c/W*", unit: "", value: |p, _| p.slip },
-    Quantity { name: "k_t W*/F*", unit: "", value: |_, physical| physical.contact_stiffness * DISPLACEMENT / FORCE },
+    Quantity {
+        name: "k_t W*/F*",
+        unit: "",
+        value: |_, physical| physical.contact_stiffness * DISPLACEMENT / FORCE,
+    },
 ];

@@ -13,7 +13,9 @@ impl Reconstruction {
     pub(crate) fn parameter_table(&self) -> String {
         let rows: Vec<[String; 3]> = (QUANTITIES.iter().zip(&self.ranges.0))
             .map(|(quantity, (low, high))| {
-                let number = |value: f64, digits| format!("{} {}", significant(value, digits), quantity.unit).trim_end().to_owned();
+                let number = |value: f64, digits| {
+                    format!("{} {}", significant(value, digits), quantity.unit).trim_end().to_owned()
+                };
                 let best = (quantity.value)(&self.search.best, &self.physical);
                 let range = format!("{} … {}", significant(*low, 2), number(*high, 2));
                 [quantity.name.to_owned(), number(best, DIGITS), range]
@@ -24,7 +26,8 @@ impl Reconstruction {
 
     /// The same with dimensions.
     pub(crate) fn physical_table(&self) -> String {
-        let Physical { mass: [m1, m2], stiffness, damping, excitation, contact_stiffness, slip_force } = self.physical;
+        let Physical { mass: [m1, m2], stiffness, damping, excitation, contact_stiffness, slip_force } =
+            self.physical;
         let rows = [
             ("m1", m1, "kg"),
             ("m2", m2, "kg"),

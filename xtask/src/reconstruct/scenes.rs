@@ -70,7 +70,8 @@ impl Scenes {
 fn text(physical: &Physical, name: &str, what: &str, law: &str) -> String {
     let number = |value: f64| significant(value, DIGITS);
     let [m1, m2] = physical.mass.map(number);
-    let (d, c, amplitude) = (number(physical.damping), number(physical.stiffness), number(physical.excitation));
+    let (d, c, amplitude) =
+        (number(physical.damping), number(physical.stiffness), number(physical.excitation));
     // Twice the rounded one, so that c1 = c2 exactly.
     let both = significant(2.0 * c.parse().unwrap_or(physical.stiffness), DIGITS + 1);
     format!(

@@ -36,6 +36,9 @@ const SEED: u64 = 2017;
 /// Places looked at, and how many of the best become starts.
 pub(crate) const PLACES: usize = 1000;
 const STARTS: usize = 12;
+/// More starts beyond m2/m1 = 1/2, which divides the two mass ratios that 43 Hz and 108 Hz allow.
+const OTHER_STARTS: usize = 4;
+const SPLIT: f64 = 0.5;
 /// Edges of the simplices of one start: a simplex that has collapsed goes no further, a fresh one may.
 const EDGES: [f64; 6] = [0.2, 0.1, 0.1, 0.05, 0.02, 0.02];
 const ITERATIONS: u64 = 150;
@@ -50,7 +53,10 @@ pub(crate) fn search() -> Result<Search> {
     let look = |place: &[f64; COUNT]| Ok((cost(place)?, place.to_vec()));
     let mut places = places.par_iter().map(look).collect::<Result<Vec<_>>>()?;
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let heavy = |(_, place): &&(f64, Vec<f64>)| place.get(1).is_some_and(|ratio| ratio.exp() > SPLIT);
+    let other: Vec<_> = places.iter().filter(heavy).take(OTHER_STARTS).cloned().collect();
     places.truncate(STARTS);
+    places.extend(other);
     let go = |(_, start): &(f64, Vec<f64>)| descend_on(start, &EDGES, ITERATIONS, cost);
     let mut ends = places.par_iter().map(go).collect::<Result<Vec<_>>>()?;
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
