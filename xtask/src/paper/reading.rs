@@ -105,16 +105,17 @@ pub(crate) struct Agreement {
 }
 
 impl Agreement {
-    /// Of `output` between two frequencies in Hz, in steps of 0.1 Hz.
+    /// Of `output` between two frequencies in Hz, in steps of `step`.
     pub(crate) fn of(
         hysteresis: &Problem,
         coulomb: &Problem,
         output: usize,
         (from, to): (f64, f64),
+        step: f64,
     ) -> Result<Self> {
         let (mut one, mut other) = (Response::new(hysteresis)?, Response::new(coulomb)?);
         let difference = |f: f64| ((one.amplitude(f, output) / other.amplitude(f, output) - 1.0).abs(), f);
-        let mut differences: Vec<(f64, f64)> = grid(from, to, 0.1).into_iter().map(difference).collect();
+        let mut differences: Vec<(f64, f64)> = grid(from, to, step).into_iter().map(difference).collect();
         ensure!(
             differences.iter().all(|(d, _)| d.is_finite()),
             "a point between {from} Hz and {to} Hz was not solved"

@@ -107,7 +107,7 @@ impl Statement {
 pub(crate) const STATIC_TOLERANCE: f64 = 0.005;
 
 /// Where "both models also agree quantitatively well", and the part of it where both slip, in Hz.
-const AGREE: [(f64, f64); 2] = [(60.0, 120.0), (65.0, 110.0)];
+pub(crate) const AGREE: [(f64, f64); 2] = [(60.0, 120.0), (65.0, 110.0)];
 
 /// Every statement against its value.
 pub(crate) struct Comparison {
@@ -123,7 +123,7 @@ impl Comparison {
         let mut agreement = Vec::new();
         for (from, to) in AGREE {
             for (mass, output) in [("m1", ROOT), ("m2", BLADE)] {
-                let agrees = Agreement::of(hysteresis, coulomb, output, (from, to))?;
+                let agrees = Agreement::of(hysteresis, coulomb, output, (from, to), 0.1)?;
                 agreement.push((format!("{mass}, {from} Hz to {to} Hz"), agrees));
             }
         }

@@ -8,7 +8,8 @@ use contact::{ElasticCoulomb, ElasticCoulombParameters, Law, MagnitudeLaw, Phase
 use faer::mat;
 use hbm::{Contact, Damping, Excitation, ExcitationKind, Model, Problem};
 
-use crate::paper::reading::{BLADE, QUASI_STATIC, Response};
+use crate::paper::reading::{Agreement, BLADE, QUASI_STATIC, ROOT, Response};
+use crate::paper::statements::AGREE;
 
 /// W* in m: amplitude of the paper's reference loop.
 pub(crate) const DISPLACEMENT: f64 = 8e-6;
@@ -132,8 +133,8 @@ pub(crate) struct Quantity {
     pub(crate) value: fn(&Parameters, &Physical) -> f64,
 }
 
-/// The unknowns, and k_t, which follows from them.
-pub(crate) const QUANTITIES: [Quantity; COUNT + 1] = [
+/// The unknowns, and what follows from them: k_t and how well both models agree.
+pub(crate) const QUANTITIES: [Quantity; COUNT + 3] = [
     Quantity { name: "√(c1/m1) / 2π", unit: "Hz", value: |p, _| p.frequency },
     Quantity { name: "m2/m1", unit: "", value: |p, _| p.mass_ratio },
     Quantity { name: "d/m1", unit: "1/s", value: |p, _| p.damping },
@@ -145,4 +146,21 @@ pub(crate) const QUANTITIES: [Quantity; COUNT + 1] = [
         unit: "",
         value: |_, physical| physical.contact_stiffness * DISPLACEMENT / FORCE,
     },
+    Quantity {
+        name: "median difference of the models, m1",
+        unit: "%",
+        value: |_, physical| median_difference(physical, ROOT),
+    },
+    Quantity {
+        name: "median difference of the models, m2",
+        unit: "%",
+        value: |_, physical| median_difference(physical, BLADE),
+    },
 ];
+
+/// Of |W_1| in %, over the whole range in which the paper says that the models agree; not a number where one has no
+/// solution.
+fn median_difference(physical: &Physical, output: usize) -> f64 {
+    let agreement = || Agreement::of(&physical.hysteresis()?, &physical.coulomb()?, output, AGREE[0], 1.0);
+    agreement().map_or(f64::NAN, |agreement| 100.0 * agreement.median)
+}

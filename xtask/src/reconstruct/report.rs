@@ -1,7 +1,8 @@
 //! What the search found, as tables.
 
 use super::Reconstruction;
-use super::parameters::{COUNT, Physical, QUANTITIES};
+use super::parameters::{Physical, QUANTITIES};
+use super::search::SHAPELESS;
 use crate::markdown::{significant, table};
 use crate::paper::statements::STATEMENTS;
 
@@ -45,7 +46,7 @@ impl Reconstruction {
 
     /// Where the starts of the search ended.
     pub(crate) fn search_table(&self) -> String {
-        let mut rows: Vec<[String; COUNT - 2]> = Vec::new();
+        let mut rows: Vec<[String; 4]> = Vec::new();
         let mut counted: Vec<(f64, usize, usize)> = Vec::new();
         for (i, cost) in self.search.costs.iter().enumerate() {
             match counted.iter_mut().find(|(other, ..)| (cost / other - 1.0).abs() < 1e-2) {
@@ -56,7 +57,8 @@ impl Reconstruction {
         for (cost, count, first) in counted {
             let end = &self.search.ends[first];
             let ratio = significant(end.mass_ratio, 2);
-            rows.push([count.to_string(), significant(cost, 2), ratio, significant(end.friction, 2)]);
+            let cost = if cost < SHAPELESS { significant(cost, 2) } else { "no such peaks".to_owned() };
+            rows.push([count.to_string(), cost, ratio, significant(end.friction, 2)]);
         }
         table(["starts", "sum of squares", "m2/m1", "F*/(c1 W*)"], &rows)
     }

@@ -43,7 +43,7 @@ const SPLIT: f64 = 0.5;
 const EDGES: [f64; 6] = [0.2, 0.1, 0.1, 0.05, 0.02, 0.02];
 const ITERATIONS: u64 = 150;
 /// Cost of a response without the features that the paper describes.
-const SHAPELESS: f64 = 1e6;
+pub(crate) const SHAPELESS: f64 = 1e6;
 
 /// Searches from the best of many random places.
 pub(crate) fn search() -> Result<Search> {
