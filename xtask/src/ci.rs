@@ -19,7 +19,10 @@ const CHECKS: [(&str, Option<(&str, &str)>); 4] = [
 
 /// The README's commands.
 const TESTS: &str = "test --workspace";
-const EXAMPLE: &str = "run --release -- sweep scenes/two-mass.json";
+const EXAMPLE: &str = "run --release -- sweep scenes/hoffmann-2017.json";
+
+/// The paper's scenes, figures and numbers once more, in release: the libraries are built for the example already.
+const FIGURES: &str = "run --release -p xtask -- figures --check";
 
 /// Runs all checks in the workspace at `root`; the first that fails ends the run.
 pub(crate) fn run(root: &Path) -> Result<()> {
@@ -36,6 +39,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     }
     cargo(root, TESTS, None, Stdio::inherit())?;
     example(root)?;
+    cargo(root, FIGURES, None, Stdio::inherit())?;
     step(&format!("all checks passed in {:.0} s", start.elapsed().as_secs_f64()));
     Ok(())
 }
@@ -51,7 +55,7 @@ fn says_so(root: &Path) -> Result<()> {
 
 /// The README's first command; its result goes to a file under `target` and must not be empty.
 fn example(root: &Path) -> Result<()> {
-    let result = root.join("target").join("ci-two-mass.out");
+    let result = root.join("target").join("ci-example.out");
     let file = fs::File::create(&result).with_context(|| result.display().to_string())?;
     cargo(root, EXAMPLE, None, file.into())?;
     let size = fs::metadata(&result)?.len();

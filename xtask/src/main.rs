@@ -1,12 +1,17 @@
 //! The workshop of stickslip: `cargo xtask COMMAND`.
 
 mod ci;
+mod figures;
 mod iwan;
 mod loop_family;
+mod loop_series;
+mod markdown;
 mod non_negative;
 mod page;
-mod loop_series;
+mod paper;
+mod reconstruct;
 mod reference_loop;
+mod synthetic_loop;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -15,7 +20,11 @@ use anyhow::{Result, bail};
 
 const USAGE: &str = "usage: cargo xtask COMMAND
 
-  ci                       every check of a change: format, lints, documentation, tests, the README's commands
+  ci                       every check of a change: format, lints, documentation, tests, figures, the README's commands
+  figures                  writes docs/figures and docs/src/reproduction.md: the paper's figures and numbers
+  figures --check          fails when a stated number leaves its tolerance or a committed figure shows other data
+  reconstruct              searches the parameters of the paper's Fig. 4 and writes scenes/hoffmann-2017*.json
+  reconstruct --check      fails unless those files are what the command writes
   iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
   loop-series FOLDER       writes synthetic records at eight amplitudes that follow the paper's scaling laws
@@ -42,6 +51,10 @@ fn run() -> Result<()> {
         ["loop-family", "--check"] => loop_family::check(&root()),
         ["loop-family"] => loop_family::write(&root()),
         ["loop-series", folder] => loop_series::write(Path::new(folder)),
+        ["figures"] => figures::write(&root()),
+        ["figures", "--check"] => figures::check(&root()),
+        ["reconstruct"] => reconstruct::write(&root()),
+        ["reconstruct", "--check"] => reconstruct::check(&root()),
         ["reference-loop"] => reference_loop::write(&root()),
         ["reference-loop", "--check"] => reference_loop::check(&root()),
         _ => bail!("{USAGE}"),

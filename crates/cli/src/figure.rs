@@ -38,7 +38,7 @@ impl Figure {
 /// Draws the response of every output dof.
 #[cfg(feature = "plot")]
 pub fn response(figure: Figure, scene: &Scene, solved: &Solved) -> Result<(), Failure> {
-    use crate::plot::{Panel, Response, write_response};
+    use plot::{Panel, Response, write_response};
 
     let responses = solved.responses();
     let panels: Vec<Panel> = (responses.responses.into_iter())
@@ -62,7 +62,7 @@ pub fn response(figure: Figure, scene: &Scene, solved: &Solved) -> Result<(), Fa
 /// Draws the averaged cycle of a record and the series fitted to it.
 #[cfg(feature = "plot")]
 pub fn hysteresis_loop(figure: Figure, record: &Record, fit: &Fit) -> Result<(), Failure> {
-    use crate::plot::{LoopPlot, write_loop};
+    use plot::{LoopPlot, write_loop};
 
     let a = fit.hysteresis_loop.displacement_amplitude();
     let cycle = &fit.mean_cycle;
@@ -88,7 +88,7 @@ pub fn hysteresis_loop(figure: Figure, record: &Record, fit: &Fit) -> Result<(),
 /// Draws loops and the scaling laws over the amplitude.
 #[cfg(feature = "plot")]
 pub fn scaling(figure: Figure, found: &Identification) -> Result<(), Failure> {
-    use crate::plot::{ScalingPlot, write_scaling};
+    use plot::{ScalingPlot, write_scaling};
 
     let drawing = ScalingPlot {
         force: match found.kind {

@@ -10,8 +10,6 @@ mod loop_fit;
 mod loop_scale;
 mod manual;
 mod output;
-#[cfg(feature = "plot")]
-mod plot;
 mod progress;
 mod summary;
 mod sweep;

@@ -2,28 +2,29 @@
 
 /// How a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pen {
-    pub(super) color: &'static str,
+pub struct Pen {
+    /// As SVG writes it.
+    pub color: &'static str,
     /// In px (1/96 in).
-    pub(super) width: f64,
+    pub width: f64,
     /// Dash lengths; `None` is solid.
-    pub(super) dash: Option<&'static str>,
+    pub dash: Option<&'static str>,
     /// Radius of the dots that mark each point, in px; `None` joins the points by a line instead.
-    pub(super) dot: Option<f64>,
+    pub dot: Option<f64>,
 }
 
 /// What the figure is about: dark and solid.
-pub(super) const MAIN: Pen = Pen { color: "#12397a", width: 1.4, dash: None, dot: None };
+pub const MAIN: Pen = Pen { color: "#12397a", width: 1.4, dash: None, dot: None };
 /// What it is compared with: lighter in grey print, dash-dotted.
-pub(super) const REFERENCE: Pen = Pen { color: "#d2691e", width: 1.2, dash: Some("6 2 1.5 2"), dot: None };
+pub const REFERENCE: Pen = Pen { color: "#d2691e", width: 1.2, dash: Some("6 2 1.5 2"), dot: None };
 /// A fit over its data: dashed.
-pub(super) const FIT: Pen = Pen { color: "#d2691e", width: 1.4, dash: Some("5 2.2"), dot: None };
+pub const FIT: Pen = Pen { color: "#d2691e", width: 1.4, dash: Some("5 2.2"), dot: None };
 /// Measured points.
-pub(super) const POINT: Pen = Pen { color: "#12397a", width: 1.2, dash: None, dot: Some(2.6) };
+pub const POINT: Pen = Pen { color: "#12397a", width: 1.2, dash: None, dot: Some(2.6) };
 /// Raw data behind everything.
-pub(super) const FAINT: Pen = Pen { color: "#b8b8b8", width: 0.6, dash: None, dot: None };
+pub const FAINT: Pen = Pen { color: "#b8b8b8", width: 0.6, dash: None, dot: None };
 /// Stretches of the abscissa that deserve a remark.
-pub(super) const RUG: Pen = Pen { color: "#9a9a9a", width: 2.4, dash: None, dot: None };
+pub const RUG: Pen = Pen { color: "#9a9a9a", width: 2.4, dash: None, dot: None };
 
 /// Frame and ticks.
 pub(super) const FRAME: &str = "#000000";

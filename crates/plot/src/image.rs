@@ -35,8 +35,11 @@ impl ImageFormat {
     }
 }
 
-/// Writes the drawing to `path` in the format of its extension.
-pub(super) fn write(svg: &str, path: &Path) -> Result<()> {
+/// Writes a drawing ([`sheet()`](crate::sheet())) to `path`, `.svg` or `.png`.
+///
+/// # Errors
+/// Another extension, or a file that cannot be written; then `path` is as it was.
+pub fn write(svg: &str, path: &Path) -> Result<()> {
     let bytes = match ImageFormat::of(path)? {
         ImageFormat::Svg => svg.as_bytes().to_vec(),
         ImageFormat::Png => rasterise(svg, &fonts())?.encode_png()?,

@@ -14,9 +14,12 @@ const TITLE: f64 = 22.0;
 /// Baseline of the title in px.
 const TITLE_BASELINE: f64 = 15.0;
 
-/// Charts row by row in `columns` columns under a common title. In one column the first chart carries the legend;
-/// several columns have it in a row above.
-pub(super) fn svg(title: &str, columns: usize, mut charts: Vec<Chart>) -> String {
+/// Column width of a journal in px.
+pub const COLUMN: f64 = 340.0;
+
+/// Charts row by row in `columns` columns under a common title (may be empty), as SVG. Charts that ask for a legend have
+/// it inside. When none does, in one column the first chart carries it, and several columns have it in a row above.
+pub fn sheet(title: &str, columns: usize, mut charts: Vec<Chart>) -> String {
     let columns = columns.max(1);
     let column_width = charts.iter().map(|chart| chart.width).fold(0.0, f64::max);
     let rows: Vec<f64> =
@@ -24,7 +27,9 @@ pub(super) fn svg(title: &str, columns: usize, mut charts: Vec<Chart>) -> String
     let width = column_width * columns.min(charts.len()) as f64;
 
     let mut names: Vec<Entry> = Vec::new();
-    if columns > 1 {
+    if charts.iter().any(|chart| chart.legend) {
+        // Each has its own.
+    } else if columns > 1 {
         for entry in charts.iter().flat_map(Entry::of) {
             if !names.contains(&entry) {
                 names.push(entry);

@@ -6,6 +6,7 @@ use anyhow::{Result, ensure};
 
 use super::axis::Axis;
 use super::chart::{BOTTOM, BOTTOM_BARE, Chart, Curve, TOP};
+use super::sheet::COLUMN;
 use super::{image, pen, sheet};
 
 /// One dof over frequency.
@@ -41,8 +42,7 @@ pub fn write_response(response: &Response, path: &Path) -> Result<()> {
     image::write(&draw(response)?, path)
 }
 
-/// Column width of a journal, and a third of a wide page, in px (1/96 in).
-const COLUMN: f64 = 340.0;
+/// A third of a wide page in px (1/96 in).
 const THIRD: f64 = 236.0;
 
 /// Columns, panel width and height of the frame for a number of panels.
@@ -91,7 +91,7 @@ fn draw(response: &Response) -> Result<String> {
             height: TOP + frame + if lowest { BOTTOM } else { BOTTOM_BARE },
         }
     });
-    Ok(sheet::svg(&response.title, columns, charts.collect()))
+    Ok(sheet::sheet(&response.title, columns, charts.collect()))
 }
 
 /// The panel with its points in the order of frequency; a scene may list them in any.

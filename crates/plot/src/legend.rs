@@ -34,7 +34,11 @@ type Box = (f64, f64, f64, f64);
 impl Entry {
     /// What there is to name in a chart: the most important curve is drawn last and named first.
     pub(super) fn of(chart: &Chart) -> Vec<Self> {
-        let drawn = chart.curves.iter().rev().filter(|c| c.points.iter().any(|(_, y)| y.is_some()));
+        let drawn = chart
+            .curves
+            .iter()
+            .rev()
+            .filter(|c| !c.name.is_empty() && c.points.iter().any(|(_, y)| y.is_some()));
         let mut entries: Vec<Self> = drawn.map(|c| Self { name: c.name, pen: c.pen }).collect();
         if !chart.rug.is_empty() {
             entries.push(Self { name: chart.rug_name, pen: pen::RUG });

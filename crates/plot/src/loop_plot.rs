@@ -66,7 +66,7 @@ fn draw(plot: &LoopPlot) -> Result<String> {
         width: WIDTH,
         height: TOP + FRAME + BOTTOM,
     };
-    Ok(sheet::svg("", 1, vec![chart]))
+    Ok(sheet::sheet("", 1, vec![chart]))
 }
 
 #[cfg(test)]

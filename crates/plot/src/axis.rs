@@ -14,8 +14,9 @@ enum Scale {
 
 /// An axis in *places*: the value times a unit factor, or its common logarithm.
 #[derive(Debug, Clone)]
-pub(super) struct Axis {
-    pub(super) label: String,
+pub struct Axis {
+    /// With the unit, `frequency (Hz)`.
+    pub label: String,
     scale: Scale,
     /// Place = value · factor on a linear axis.
     factor: f64,
@@ -29,15 +30,15 @@ pub(super) struct Axis {
 const LABELLED_DECADES: f64 = 8.0;
 
 impl Axis {
-    /// From the least to the greatest of `values` without margin.
-    pub(super) fn tight(label: String, values: impl Iterator<Item = f64>) -> Option<Self> {
+    /// From the least to the greatest of `values` without margin; like the others, `None` without a finite value.
+    pub fn tight(label: String, values: impl Iterator<Item = f64>) -> Option<Self> {
         let (low, high) = extent(values)?;
         let margin = if low < high { 0.0 } else { 0.05 * low.abs().max(1.0) };
         Some(Self { label, scale: Scale::Linear, factor: 1.0, low: low - margin, high: high + margin })
     }
 
     /// A linear axis with a margin of 6 %, in the SI multiple of `unit` that makes the numbers short.
-    pub(super) fn measured(quantity: &str, unit: &str, values: impl Iterator<Item = f64>) -> Option<Self> {
+    pub fn measured(quantity: &str, unit: &str, values: impl Iterator<Item = f64>) -> Option<Self> {
         let (low, high) = extent(values)?;
         let largest = low.abs().max(high.abs());
         let (prefix, factor) = si_prefix(largest);
@@ -52,7 +53,7 @@ impl Axis {
     }
 
     /// A logarithmic axis with a margin of 4 %, at least one whole decade; values that have no logarithm are left out.
-    pub(super) fn decades(label: String, values: impl Iterator<Item = f64>) -> Option<Self> {
+    pub fn decades(label: String, values: impl Iterator<Item = f64>) -> Option<Self> {
         let logarithms = values.filter(|v| *v > 0.0).map(f64::log10);
         let (low, high) = extent(logarithms)?;
         let margin = 0.04 * (high - low).max(1.0);

@@ -12,42 +12,51 @@ use super::pen::{self, Pen};
 
 /// A curve in the units of its data; `None` interrupts it.
 #[derive(Debug, Clone)]
-pub(super) struct Curve {
-    pub(super) name: &'static str,
-    pub(super) points: Vec<(f64, Option<f64>)>,
-    pub(super) pen: Pen,
+pub struct Curve {
+    /// For the legend; a curve without a name is not in it.
+    pub name: &'static str,
+    /// Abscissa and ordinate; a point between two gaps is drawn as a dot.
+    pub points: Vec<(f64, Option<f64>)>,
+    /// How it is drawn.
+    pub pen: Pen,
 }
 
 /// One pair of axes with curves, drawn in the order given.
 #[derive(Debug, Clone)]
-pub(super) struct Chart {
+pub struct Chart {
     /// Written above the frame on the left.
-    pub(super) heading: String,
-    pub(super) x: Axis,
-    pub(super) y: Axis,
-    pub(super) curves: Vec<Curve>,
+    pub heading: String,
+    /// Abscissa.
+    pub x: Axis,
+    /// Ordinate.
+    pub y: Axis,
+    /// Drawn in this order.
+    pub curves: Vec<Curve>,
     /// Stretches of x marked along the lower edge of the frame.
-    pub(super) rug: Vec<(f64, f64)>,
+    pub rug: Vec<(f64, f64)>,
     /// What the marked stretches mean.
-    pub(super) rug_name: &'static str,
+    pub rug_name: &'static str,
     /// Write numbers and label on the lower edge.
-    pub(super) label_x: bool,
+    pub label_x: bool,
     /// Write the label on the left edge.
-    pub(super) label_y: bool,
+    pub label_y: bool,
     /// Name the curves inside the frame.
-    pub(super) legend: bool,
+    pub legend: bool,
     /// Of the whole chart, labels included, in px.
-    pub(super) width: f64,
-    pub(super) height: f64,
+    pub width: f64,
+    /// Likewise; [`TOP`] and [`BOTTOM`] are margins.
+    pub height: f64,
 }
 
-/// Margins around the frame in px.
+/// Margins beside the frame in px.
 pub(super) const LEFT: f64 = 50.0;
 pub(super) const RIGHT: f64 = 12.0;
-pub(super) const TOP: f64 = 20.0;
-pub(super) const BOTTOM: f64 = 36.0;
-/// Margin below a chart without numbers on its lower edge.
-pub(super) const BOTTOM_BARE: f64 = 8.0;
+/// Margin above a frame in px.
+pub const TOP: f64 = 20.0;
+/// Margin below a frame with numbers and label in px.
+pub const BOTTOM: f64 = 36.0;
+/// Margin below a frame without numbers in px.
+pub const BOTTOM_BARE: f64 = 8.0;
 
 /// Points closer than this to the last one drawn are left out, in px.
 const FINEST: f64 = 0.15;

@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 
 use super::axis::Axis;
 use super::chart::{BOTTOM, BOTTOM_BARE, Chart, Curve, TOP};
-use super::{image, pen, sheet};
+use super::{image, pen, sheet::sheet};
 
 /// A law over α.
 type Law<'a> = dyn Fn(f64) -> f64 + 'a;
@@ -95,7 +95,7 @@ fn draw(plot: &ScalingPlot) -> Result<String> {
     let (Some(magnitude), Some(phase)) = (magnitude, phase) else {
         anyhow::bail!("nothing to plot: no loop has a force");
     };
-    Ok(sheet::svg("", 1, vec![magnitude, phase]))
+    Ok(sheet("", 1, vec![magnitude, phase]))
 }
 
 #[cfg(test)]
