@@ -326,7 +326,8 @@ mod tests {
         let solution = plan.solve(57.0, &mut ws);
         assert!(solution.status.solved());
         let expected = solution.contacts[0].displacement.clone();
-        let fallbacks: [(&str, fn(&Plan, &mut Workspace) -> Outcome); 4] = [
+        type Fallback = fn(&Plan, &mut Workspace) -> Outcome;
+        let fallbacks: [(&str, Fallback); 4] = [
             ("secant", Plan::secant_homotopy),
             ("contact", Plan::contact_homotopy),
             ("excitation", Plan::excitation_homotopy),
