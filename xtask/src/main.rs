@@ -10,6 +10,7 @@ mod non_negative;
 mod page;
 mod paper;
 mod reconstruct;
+mod record_family;
 mod reference_loop;
 mod synthetic_loop;
 
@@ -27,6 +28,7 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   reconstruct --check      fails unless those files are what the command writes
   iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
+  loop-family FILE…        the same question to measured records at several amplitudes; prints a table
   loop-series FOLDER       writes synthetic records at eight amplitudes that follow the paper's scaling laws
   reference-loop           writes scenes/loops/reference.csv
   … --check                fails unless what one of reference-loop, iwan and loop-family writes and prints is in the repository";
@@ -50,6 +52,7 @@ fn run() -> Result<()> {
         ["iwan", "--check"] => iwan::check(&root()),
         ["loop-family", "--check"] => loop_family::check(&root()),
         ["loop-family"] => loop_family::write(&root()),
+        ["loop-family", files @ ..] => record_family::print(files),
         ["loop-series", folder] => loop_series::write(Path::new(folder)),
         ["figures"] => figures::write(&root()),
         ["figures", "--check"] => figures::check(&root()),
