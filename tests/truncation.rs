@@ -106,6 +106,48 @@ fn scene_p_reaches_the_exact_orbit() {
     }
 }
 
+/// By its events the force has no sampling error: the table's two digits, and no samples asked for.
+#[test]
+fn events_leave_truncation_alone() {
+    for (problem, scene) in [(scene_r(), "R"), (scene_p(), "P")] {
+        let plan = Plan::new(&problem, &Settings::new(31)).unwrap();
+        assert_eq!((plan.facts().event_exact, plan.facts().samples), (1, 0));
+        let mut workspace = plan.workspace();
+        for orbit in orbits(scene) {
+            let solution = plan.solve(orbit.hertz, &mut workspace);
+            assert_eq!(solution.status, Status::Converged, "{} Hz", orbit.hertz);
+            let error = error(&plan, &solution.displacement[0], &orbit);
+            match SCENE_R.iter().find(|row| row.0 == orbit.hertz && scene == "R") {
+                // Half a unit of the second digit of the smallest entry.
+                Some(row) => assert!((error / row.3 - 1.0).abs() < 0.02, "{} Hz: {error:e}", orbit.hertz),
+                None => assert!(error < 2e-6, "{} Hz: {error:e}", orbit.hertz),
+            }
+        }
+    }
+}
+
+/// The sampled force approaches the one by events with the square of the number of samples.
+#[test]
+fn samples_approach_events() {
+    let settings = Settings::new(7);
+    let exact = Plan::new(&scene_r(), &settings).unwrap();
+    let expected = exact.solve(75.0, &mut exact.workspace());
+    let error = |samples: usize| -> f64 {
+        // Averaged over phases of the excitation, which move kinks against samples.
+        (0..8)
+            .map(|shift| {
+                let mut problem = scene_r();
+                problem.excitation[0].phase = 0.31 * f64::from(shift);
+                let plan = plan(&problem, 7, samples);
+                let solution = plan.solve(75.0, &mut plan.workspace());
+                (solution.displacement[0][0].norm() / expected.displacement[0][0].norm() - 1.0).abs()
+            })
+            .sum()
+    };
+    let rate = (error(128) / error(4096)).log2() / 5.0;
+    assert!((rate - 2.0).abs() < 0.25, "{rate}");
+}
+
 /// Stick–slip: F_k ~ k⁻², W_k ~ k⁻⁴, so the l2 error falls like (N + 1)^−3.5 and that of |W_1| like (N + 1)^−3.
 #[test]
 fn rates_of_convergence_of_stick_slip() {
