@@ -72,20 +72,32 @@ impl ScalarBalance<'_> {
         self.node(a).value.abs() / self.free.norm()
     }
 
-    /// No root lies above: there either the displacement outweighs the contact's pull and the pull per amplitude
-    /// falls, or the pull outweighs it and rises.
+    /// No root lies above: there the displacement outweighs a pull that falls behind it, a pull that runs ahead
+    /// outweighs the displacement, or the law has become a spring and the balance is linear.
     fn upper_end(&self) -> f64 {
         let free = self.free.norm();
         let mut a = free.max(self.length);
         for _ in 0..MOST_NODES {
             let (here, beyond) = (self.pull(a), self.pull(2.0 * a));
             let softening = beyond <= 2.0 * here;
-            if (softening && a > free + here) || (!softening && here > a + free) {
+            if (softening && a > free + here) || (!softening && here > a + free) || self.linear_above(a) {
                 break;
             }
             a *= RATIO;
         }
         a
+    }
+
+    /// Beyond `a` the force is a spring's plus a rest that hardly grows, and the balance too large for a root:
+    /// with `F = k a + R`, `|1 + G k| a > |u⁰| + |G R|`.
+    fn linear_above(&self, a: f64) -> bool {
+        let force = |a: f64| self.receptance * self.law.first_harmonic(a).force * self.scale;
+        let (one, two, four) = (force(a), force(2.0 * a), force(4.0 * a));
+        let (before, slope) = ((two - one) / a, (four - two) / (2.0 * a));
+        let rest = four - slope * (4.0 * a);
+        let stiffness = (1.0 + slope).norm();
+        (slope - before).norm() < 1e-3 * stiffness
+            && 4.0 * a * stiffness > self.free.norm() + 2.0 * rest.norm()
     }
 
     /// No root lies below, or so close to rest that the law is linear there up to rest itself.
@@ -96,7 +108,7 @@ impl ScalarBalance<'_> {
         } else {
             1e-3 * self.law.landmark().unwrap_or(self.length)
         };
-        let mut a = 0.5 * upper;
+        let mut a = 0.5 * upper.min(free.max(self.length));
         for _ in 0..MOST_NODES {
             if a <= floor || a + self.pull(a) < free {
                 break;
@@ -203,8 +215,8 @@ impl ScalarBalance<'_> {
 mod tests {
     use super::*;
     use contact::{
-        Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, MagnitudeLaw, PhaseLaw,
-        ScaledLoop,
+        Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Iwan, IwanParameters, Law,
+        MagnitudeLaw, PhaseLaw, ScaledLoop,
     };
     use std::f64::consts::PI;
 
@@ -269,6 +281,29 @@ mod tests {
         let found = roots(&law, g, 1e9);
         assert_eq!(found.len(), 1);
         assert!((found[0] - (1e9 - 4.0 / PI)).abs() < 1e-3);
+    }
+
+    /// A stack of sliders that ends in a spring, at the resonance of the mass on that spring: the pull never falls behind
+    /// the displacement, and the root lies below the law's length.
+    #[test]
+    fn a_spring_that_stays() {
+        let parameters =
+            IwanParameters { displacement: 1.0, force: 1.0, magnitude: MagnitudeLaw::default(), range: 10.0 };
+        let law = Iwan::from_magnitude(parameters).unwrap();
+        for receptance in [Complex64::new(-8.0, -30.0), Complex64::new(60.0, -1.0), Complex64::new(-1e3, 0.0)]
+        {
+            for free in [1e-3, 0.3, 30.0] {
+                let found = roots(&law, receptance, free);
+                assert_eq!(found.len() % 2, 1, "{receptance} {free}: {found:?}");
+                for a in found {
+                    let z = a + receptance * law.describing_function().unwrap().first_harmonic(a).force;
+                    assert!(
+                        (z.norm() - free).abs() < 1e-12 * (free + a * receptance.norm()),
+                        "{receptance} {free} {a}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]
