@@ -96,8 +96,7 @@ impl ScalarBalance<'_> {
         let (before, slope) = ((two - one) / a, (four - two) / (2.0 * a));
         let rest = four - slope * (4.0 * a);
         let stiffness = (1.0 + slope).norm();
-        (slope - before).norm() < 1e-3 * stiffness
-            && 4.0 * a * stiffness > self.free.norm() + 2.0 * rest.norm()
+        (slope - before).norm() < 1e-3 * stiffness && a * stiffness > self.free.norm() + 2.0 * rest.norm()
     }
 
     /// No root lies below, or so close to rest that the law is linear there up to rest itself.
