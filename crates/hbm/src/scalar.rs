@@ -23,16 +23,21 @@ pub(crate) struct ScalarBalance<'l> {
     pub(crate) length: f64,
 }
 
-/// A node of the search: amplitude, φ and φ'.
+/// A node of the search: amplitude, z = a + G F_1(a) and dz/da, φ = |z| − |u⁰| and φ'.
 #[derive(Clone, Copy)]
 struct Node {
     a: f64,
+    z: Complex64,
+    dz: Complex64,
     value: f64,
     slope: f64,
 }
 
 /// Neighbouring nodes of the grid differ by this factor at most.
 const RATIO: f64 = 2.0;
+
+/// A cell in which φ turns more than once is halved at most this often.
+const HALVINGS: usize = 12;
 
 /// No grid spans more nodes than this (2^240 covers all of f64's useful range).
 const MOST_NODES: usize = 240;
@@ -43,11 +48,8 @@ impl ScalarBalance<'_> {
         let z = a + self.receptance * first.force * self.scale;
         let dz = 1.0 + self.receptance * first.derivative * self.scale;
         let norm = z.norm();
-        Node {
-            a,
-            value: norm - self.free.norm(),
-            slope: if norm > 0.0 { (z.conj() * dz).re / norm } else { 0.0 },
-        }
+        let slope = if norm > 0.0 { (z.conj() * dz).re / norm } else { 0.0 };
+        Node { a, z, dz, value: norm - self.free.norm(), slope }
     }
 
     /// |G F_1(a)| in m.
@@ -79,8 +81,10 @@ impl ScalarBalance<'_> {
         let mut a = free.max(self.length);
         for _ in 0..MOST_NODES {
             let (here, beyond) = (self.pull(a), self.pull(2.0 * a));
-            let softening = beyond <= 2.0 * here;
-            if (softening && a > free + here) || (!softening && here > a + free) || self.linear_above(a) {
+            // Up to rounding, which a spring shows at large amplitudes.
+            let softening = beyond <= 2.0 * here * (1.0 + 1e-12);
+            let outweighed = softening && (a > free + here || self.linear_above(a));
+            if outweighed || (!softening && here > a + free) {
                 break;
             }
             a *= RATIO;
@@ -88,7 +92,7 @@ impl ScalarBalance<'_> {
         a
     }
 
-    /// Beyond `a` the force is a spring's plus a rest that hardly grows, and the balance too large for a root:
+    /// Of a softening law: beyond `a` the force is a spring's plus a rest that hardly grows, and the balance too large for a root:
     /// with `F = k a + R`, `|1 + G k| a > |u⁰| + |G R|`.
     fn linear_above(&self, a: f64) -> bool {
         let force = |a: f64| self.receptance * self.law.first_harmonic(a).force * self.scale;
@@ -133,7 +137,7 @@ impl ScalarBalance<'_> {
                 a = right * RATIO;
             }
             let node = self.node(right);
-            self.cell(left, node, roots);
+            self.cell(left, node, HALVINGS, roots);
             // The slope may jump at a landmark: go on with the slope beyond it.
             left = if Some(right) == landmark { self.node(right * (1.0 + 4.0 * f64::EPSILON)) } else { node };
             if last && right >= upper {
@@ -144,7 +148,13 @@ impl ScalarBalance<'_> {
 
     /// Roots between two nodes. Where the slope changes sign the cell is split at the extreme value, so that a pair
     /// of roots that nearly touch is not lost.
-    fn cell(&self, left: Node, right: Node, roots: &mut Vec<f64>) {
+    fn cell(&self, left: Node, right: Node, halvings: usize, roots: &mut Vec<f64>) {
+        if halvings > 0 && turns(left, right) > 1 {
+            let middle = self.node(0.5 * (left.a + right.a));
+            self.cell(left, middle, halvings - 1, roots);
+            self.cell(middle, right, halvings - 1, roots);
+            return;
+        }
         if left.slope * right.slope >= 0.0 {
             self.monotone(left, right, roots);
             return;
@@ -210,6 +220,21 @@ impl ScalarBalance<'_> {
     }
 }
 
+/// How often φ turns between two nodes, as far as the cubic through z and dz/da at both shows: z is smooth where
+/// |z| has a kink.
+fn turns(left: Node, right: Node) -> usize {
+    let h = right.a - left.a;
+    let size = |t: f64| {
+        let (u, rest) = (1.0 - t, t * (1.0 - t));
+        let ends = left.z * (u * u * (1.0 + 2.0 * t)) + right.z * (t * t * (3.0 - 2.0 * t));
+        (ends + (left.dz * u - right.dz * t) * (rest * h)).norm_sqr()
+    };
+    let sizes = [left.z.norm_sqr(), size(0.25), size(0.5), size(0.75), right.z.norm_sqr()];
+    let [a, b, c, d, e] = sizes;
+    let rises = [left.slope, b - a, c - b, d - c, e - d, right.slope];
+    rises.windows(2).filter(|pair| pair.iter().product::<f64>() < 0.0).count()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -249,6 +274,25 @@ mod tests {
         assert_eq!(found.len(), 3, "{found:?}");
         for (a, b) in found.iter().zip(&expected) {
             assert!((a - b).abs() < 1e-14, "{found:?} {expected:?}");
+        }
+    }
+
+    /// a − a³ has a hump of height 0.3849 between its zeros: below that height there are three roots, above one, wherever
+    /// the hump falls between the nodes of the grid.
+    #[test]
+    fn pairs_are_found_wherever_the_grid_falls() {
+        let law = Cubic::new(CubicParameters { stiffness: 4.0 / 3.0 }).unwrap();
+        for i in 1..400 {
+            let free = 1e-3 * f64::from(i);
+            let found = roots(&law, Complex64::new(-1.0, 0.0), free);
+            assert_eq!(
+                found.len(),
+                if free < 2.0 / (3.0 * 3.0_f64.sqrt()) { 3 } else { 1 },
+                "{free}: {found:?}"
+            );
+            for a in found {
+                assert!(((a - a.powi(3)).abs() - free).abs() < 1e-14, "{free}: {a}");
+            }
         }
     }
 
