@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{LawError, ParameterError};
 use crate::law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
+use crate::mechanism::{Mechanism, SmoothForce};
 use crate::tangent::Tangent;
 
 /// Parameters of [`Cubic`].
@@ -68,9 +69,23 @@ impl Law for Cubic {
         Some(self)
     }
 
+    fn mechanism(&self) -> Mechanism<'_> {
+        Mechanism::Smooth(self)
+    }
+
     /// The force has three times the motion's harmonics; none of them may alias onto the motion's.
     fn samples(&self, harmonics: usize) -> usize {
         4 * (harmonics + 1)
+    }
+}
+
+impl SmoothForce for Cubic {
+    fn at(&self, w: f64, _v: f64) -> f64 {
+        self.stiffness * w * w * w
+    }
+
+    fn slopes(&self, w: f64, _v: f64) -> (f64, f64) {
+        (3.0 * self.stiffness * w * w, 0.0)
     }
 }
 

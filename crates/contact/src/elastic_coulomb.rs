@@ -9,6 +9,7 @@ use crate::error::{LawError, ParameterError};
 use crate::events::{ForcePiece, PiecewiseLinear, crossing};
 use crate::law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 use crate::masing::wrap;
+use crate::mechanism::Mechanism;
 use crate::path::{Path, Piece, SampledPath};
 use crate::real::Real;
 use crate::tangent::{Recall, Tangent};
@@ -201,6 +202,10 @@ impl Law for ElasticCoulomb {
 
     fn piecewise_linear(&self) -> Option<&dyn PiecewiseLinear> {
         Some(self)
+    }
+
+    fn mechanism(&self) -> Mechanism<'_> {
+        Mechanism::Sliders { sliders: std::slice::from_ref(self), spring: 0.0 }
     }
 }
 

@@ -16,6 +16,7 @@ use crate::elastic_coulomb::ElasticCoulomb;
 use crate::error::{LawError, ParameterError};
 use crate::law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 use crate::logarithmic::Logarithmic;
+use crate::mechanism::Mechanism;
 use crate::path::{Path, SampledPath};
 use crate::polygon::Polygon;
 use crate::scaling::MagnitudeLaw;
@@ -217,6 +218,15 @@ impl Law for Iwan {
 
     fn describing_function(&self) -> Option<&dyn DescribingFunction> {
         Some(self)
+    }
+
+    fn mechanism(&self) -> Mechanism<'_> {
+        match self.sliders() {
+            Some(sliders) => Mechanism::Sliders { sliders, spring: self.spring() },
+            None => {
+                Mechanism::None { why: "it has infinitely many sliders; give it a number of \"sliders\"" }
+            }
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::events::PiecewiseLinear;
 use crate::loop_curve::LoopCurve;
 use crate::masing::Masing;
 use crate::masing_tangent::MasingTangent;
+use crate::mechanism::Mechanism;
 use crate::path::Piece;
 use crate::tangent::Tangent;
 use crate::turning_points::TurningPoints;
@@ -158,6 +159,11 @@ pub trait Law: Send + Sync + fmt::Debug {
     /// The force by its events, where it is piecewise linear in the displacement.
     fn piecewise_linear(&self) -> Option<&dyn PiecewiseLinear> {
         None
+    }
+
+    /// What moves the contact in time, without harmonics.
+    fn mechanism(&self) -> Mechanism<'_> {
+        Mechanism::None { why: "its force at an instant depends on the whole period" }
     }
 
     /// Force magnitude in N that the contact can hold at rest; positive for set-valued laws only.

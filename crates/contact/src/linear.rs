@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{LawError, ParameterError};
 use crate::law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
+use crate::mechanism::Mechanism;
 use crate::tangent::Tangent;
 
 /// Parameters of [`Linear`].
@@ -65,6 +66,10 @@ impl Law for Linear {
 
     fn describing_function(&self) -> Option<&dyn DescribingFunction> {
         Some(self)
+    }
+
+    fn mechanism(&self) -> Mechanism<'_> {
+        Mechanism::Sliders { sliders: &[], spring: self.stiffness }
     }
 
     fn samples(&self, harmonics: usize) -> usize {

@@ -26,6 +26,11 @@ pub enum Jacobian {
 pub struct Settings {
     /// N: highest harmonic of the excitation's fundamental frequency.
     pub harmonics: usize,
+    /// Relative l2 error of the displacement spectrum at which a point needs no more harmonics; `harmonics` is then the
+    /// most it may take. `None`: every point has N harmonics.
+    pub truncation: Option<f64>,
+    /// Estimate the truncation error of every point.
+    pub estimate: bool,
     /// Samples a period for the contact forces, raised to a power of two; `None` chooses.
     pub samples: Option<usize>,
     /// How an iteration starts.
@@ -45,6 +50,8 @@ impl Settings {
     pub fn new(harmonics: usize) -> Self {
         Self {
             harmonics,
+            truncation: None,
+            estimate: false,
             samples: None,
             start: Start::default(),
             jacobian: Jacobian::default(),

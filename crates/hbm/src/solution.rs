@@ -113,6 +113,13 @@ pub struct Solution {
     pub status: Status,
     /// N of this solution.
     pub harmonics: usize,
+    /// How many of its harmonics were found by substitution instead of Newton's method (the slaved tail).
+    pub slaved: usize,
+    /// Estimate of the relative l2 error of the displacement spectrum from having stopped at N, the worst of the output
+    /// dofs; `None` where none was made.
+    pub truncation_error: Option<f64>,
+    /// Estimate of the same error from sampling the contact forces; `None` where none was made, 0 without samples.
+    pub sampling_error: Option<f64>,
     /// Residual relative to the excitation, at the solution.
     pub residual: f64,
     /// Relative residuals of the last attempt, first to last.
@@ -144,6 +151,9 @@ impl Solution {
             frequency,
             status: Status::Failed(FailureReason::NotConverged),
             harmonics,
+            slaved: 0,
+            truncation_error: None,
+            sampling_error: None,
             residual: f64::INFINITY,
             residual_history: Vec::new(),
             solutions: None,
@@ -158,6 +168,8 @@ impl Solution {
     pub(crate) fn clear(&mut self, frequency: f64, harmonics: usize) {
         self.frequency = frequency;
         self.harmonics = harmonics;
+        self.slaved = 0;
+        (self.truncation_error, self.sampling_error) = (None, None);
         self.status = Status::Failed(FailureReason::NotConverged);
         self.residual = f64::INFINITY;
         self.residual_history.clear();

@@ -1,0 +1,1 @@
+//! Studies: many solutions of a scene, put side by side.
