@@ -31,6 +31,9 @@ impl Homotopy {
     pub(crate) const NONE: Self = Self { contact: 1.0, excitation: 1.0, secant: 0.0 };
 }
 
+/// Up to so many harmonics the product of two spectra is faster by its definition than by transforms.
+const DIRECT: usize = 24;
+
 /// What a balance needs that does not change with frequency.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Balance<'a> {
@@ -154,7 +157,8 @@ impl Balance<'_> {
         let width = point.width();
         let Contact { law, scale, .. } = &self.contacts[index];
         let contact = &mut buffers.contacts[index];
-        contact.spectrum.fill(c64::ZERO);
+        contact.spectrum.clear();
+        contact.spectrum.resize(self.orders[..slots].last().map_or(1, |highest| highest + 1), c64::ZERO);
         for (slot, &order) in self.orders.iter().enumerate().take(slots) {
             contact.spectrum[order] = unknowns[slot * width + row] * point.length[row];
         }
@@ -176,9 +180,20 @@ impl Balance<'_> {
             contact.marks = Some(events.pieces(&motion, &mut contact.law, &mut contact.events.pieces)?);
             let orders = &self.orders[..slots];
             contact.events.integrate(orders.last().copied().unwrap_or(0));
-            for slot in 0..slots {
-                buffers.forces[slot * width + row] =
-                    contact.events.force(&contact.spectrum, orders, slot) * unit;
+            if slots > DIRECT {
+                self.convolve(contact, &mut buffers.fft);
+                let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
+                for (slot, &order) in orders.iter().enumerate() {
+                    let one_sided = if order == 0 { 1.0 } else { 2.0 };
+                    let constant = contact.events.constant(order);
+                    buffers.forces[slot * width + row] =
+                        (coefficients[order] + constant) * (one_sided * unit);
+                }
+            } else {
+                for slot in 0..slots {
+                    buffers.forces[slot * width + row] =
+                        contact.events.force(&contact.spectrum, orders, slot) * unit;
+                }
             }
         } else {
             contact.marks = Some(law.force(&motion, &mut contact.law, &mut contact.force)?);
@@ -197,6 +212,18 @@ impl Balance<'_> {
             }
         }
         Ok(())
+    }
+
+    /// κ(τ) w(τ) at samples into `force`, with the spectrum of κ cut off where no harmonic of the motion is reached any
+    /// more: there are enough samples for the product, so nothing aliases.
+    fn convolve(&self, contact: &mut ContactBuffers, fft: &mut Buffers) {
+        let series = contact.events.stiffness().iter().enumerate();
+        let stiffness = series.map(|(q, k)| if q == 0 { *k } else { 2.0 * k });
+        self.transform.to_time(stiffness, &mut contact.force, fft);
+        self.transform.to_time(contact.spectrum.iter().copied(), &mut contact.displacement, fft);
+        for (force, w) in contact.force.iter_mut().zip(&contact.displacement) {
+            *force *= w;
+        }
     }
 
     /// The motion of contact `index` at the last evaluation.
