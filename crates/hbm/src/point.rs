@@ -37,6 +37,8 @@ pub(crate) struct Point {
     pub(crate) contracting: usize,
     /// Largest dimensionless stiffness, one an active contact.
     stiffest: Vec<f64>,
+    /// Base angular frequency in rad/s.
+    pub(crate) omega: f64,
     held: Held,
 }
 
@@ -64,6 +66,7 @@ impl Point {
             secant: vec![c64::ZERO; contacts],
             contracting: 0,
             stiffest: vec![f64::INFINITY; contacts],
+            omega: 0.0,
             held: Held {
                 contacts: Vec::with_capacity(contacts),
                 lu: Lu::new(contacts, contacts + 1),
@@ -87,6 +90,7 @@ impl Point {
     /// `G' = G − G_fh G_hh⁻¹ G_hf`, `u⁰' = u⁰ − G_fh G_hh⁻¹ u⁰_h`.
     pub(crate) fn set(&mut self, condensed: &Condensed, contacts: &[Contact], slots: usize, held: &[bool]) {
         let all = condensed.contacts;
+        self.omega = condensed.omega;
         let is_held = |c: usize| held.get(c).copied().unwrap_or(false);
         self.active.clear();
         self.active.extend((0..all).filter(|&c| !is_held(c)));
