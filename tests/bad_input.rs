@@ -305,12 +305,25 @@ fn frequencies_harmonics_output_solver() {
     refused(&with("/solver/start", json!("guess")), "solver.start: must be \"ladder\" or \"march\"");
     refused(&with("/solver/jacobian", json!(1)), "solver.jacobian: must be");
     refused(&with("/solver/samples", json!(-4)), "solver.samples: must be a whole number");
+    refused(&with("/solver/estimate", json!("yes")), "solver.estimate: must be true or false");
+    refused(
+        &with("/harmonics", json!({ "tolerance": 0, "max": 63 })),
+        "harmonics.tolerance: must be positive",
+    );
+    refused(
+        &with("/harmonics", json!({ "tolerance": 2, "max": 63 })),
+        "harmonics.tolerance: is a relative error",
+    );
+    refused(
+        &with("/harmonics", json!({ "tolerance": 1e-6, "max": 0 })),
+        "harmonics.max: must be a whole number",
+    );
+    refused(&with("/harmonics", json!({ "tolerance": 1e-6 })), "harmonics.max: is missing");
+    refused(&with("/harmonics", json!({ "tol": 1e-6, "max": 63 })), "harmonics.tol: unknown key");
 }
 
 #[test]
 fn what_is_not_supported_yet() {
-    refused(&with("/harmonics", json!({ "tolerance": 1e-6, "max": 63 })), "harmonics: ");
-    refused(&with("/harmonics", json!({ "tolerance": 1e-6, "max": 63 })), "not supported yet");
     refused(
         &with("/model/mass", json!({ "matrix_market": "M.mtx" })),
         "model.mass.matrix_market: Matrix Market files are not supported yet",
@@ -348,6 +361,8 @@ fn arguments() {
         "--harmonics: must be a whole number from 1",
     );
     refused_arguments(&["sweep", "scene.json", "--harmonics", "x"], "--harmonics");
+    refused_arguments(&["sweep", "scene.json", "--harmonics", "1e-6:"], "TOLERANCE:MAX");
+    refused_arguments(&["sweep", "scene.json", "--harmonics", "2:63"], "--harmonics: the tolerance is");
     refused_arguments(&["sweep", "scene.json", "--frequencies", "1:2"], "FROM:TO:POINTS");
     refused_arguments(&["sweep", "scene.json", "--frequencies", "0:2:3"], "no positive frequency");
     refused_arguments(&["sweep", "scene.json", "--frequencies", "1:2:3:cubic"], "FROM:TO:POINTS");

@@ -66,6 +66,8 @@ fn a_sweep_has_the_form_that_was_promised() {
             "harmonics",
             "iterations",
             "residual",
+            "sampling_error",
+            "slaved",
             "solutions",
             "status",
             "truncation_error",
@@ -339,7 +341,10 @@ fn explain_says_what_is_needed_and_why() {
     assert!(!used(&one, "FFT") && !used(&one, "Newton") && !used(&one, "even harmonics"));
     let seven = steps(&["explain", "two-mass.json", "--format", "json", "--harmonics", "7"]);
     assert!(used(&seven, "FFT") && used(&seven, "Newton") && used(&seven, "ladder"));
-    assert!(!used(&seven, "continuation"));
+    assert!(!used(&seven, "continuation") && !used(&seven, "each point needs"));
+    assert!(used(&seven, "truncation error") && !used(&one, "truncation error"));
+    let needed = steps(&["explain", "two-mass.json", "--format", "json", "--harmonics", "1e-3:7"]);
+    assert!(used(&needed, "each point needs") && used(&needed, "truncation error"));
 }
 
 #[test]

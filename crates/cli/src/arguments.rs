@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hysteresis::{Columns, ForceSign, ReadOptions, Units};
-use scene::{Frequencies, Scene};
+use scene::{Frequencies, Harmonics, Scene};
 
 use crate::ending::Failure;
 
@@ -86,9 +86,9 @@ Examples:
 pub struct SceneArguments {
     /// The scene's file, JSON
     pub scene: PathBuf,
-    /// Solve for N harmonics instead of the scene's
-    #[arg(long, value_name = "N")]
-    pub harmonics: Option<usize>,
+    /// Solve for N harmonics instead of the scene's, or, as 1e-6:63, for as many as each point needs
+    #[arg(long, value_name = "N|TOLERANCE:MAX")]
+    pub harmonics: Option<Harmonics>,
     /// Solve at other frequencies than the scene's, in Hz
     #[arg(long, value_name = "FROM:TO:POINTS[:log]")]
     pub frequencies: Option<Frequencies>,

@@ -1,5 +1,7 @@
 //! `stickslip check`: reads and checks a scene.
 
+use scene::Harmonics;
+
 use crate::arguments::SceneArguments;
 use crate::ending::{Ending, Failure, say};
 use crate::output;
@@ -12,13 +14,22 @@ pub fn run(arguments: &SceneArguments) -> Result<Ending, Failure> {
         say(format_args!("note: {note}"));
     }
     output::print(&format!(
-        "{}: {}, {}, {}, N = {}\n",
+        "{}: {}, {}, {}, {}\n",
         arguments.scene.display(),
         count(scene.dofs().len(), "dof", "dofs"),
         count(scene.contacts().count(), "contact", "contacts"),
         count(scene.frequencies().as_slice().len(), "frequency", "frequencies"),
-        scene.settings().harmonics
+        harmonics(scene.harmonics())
     ))
+}
+
+fn harmonics(harmonics: Harmonics) -> String {
+    match harmonics {
+        Harmonics::All(n) => format!("N = {n}"),
+        Harmonics::Needed { tolerance, max } => {
+            format!("as many harmonics as {tolerance:e} needs, at most {max}")
+        }
+    }
 }
 
 /// "1 dof", "2 dofs".

@@ -48,7 +48,9 @@ fn heading(outcome: &Outcome) -> String {
         Some((only, _)) => format!("{} Hz", only.frequency),
         None => "no point".into(),
     };
-    let harmonics = outcome.points.iter().map(|point| point.harmonics).max().unwrap_or(0);
+    let harmonics = || outcome.points.iter().map(|point| point.harmonics);
+    let (least, most) = (harmonics().min().unwrap_or(0), harmonics().max().unwrap_or(0));
+    let harmonics = if least == most { most.to_string() } else { format!("{least} to {most}") };
     format!("{}: {range}, N = {harmonics}", outcome.scene)
 }
 
@@ -104,6 +106,12 @@ fn worst(points: &[Point]) -> Vec<String> {
     let largest = solved().max_by(|a, b| a.residual.total_cmp(&b.residual));
     if let Some(point) = largest.filter(|point| point.residual > 0.0) {
         lines.push(format!("worst residual: {:.1e} at {} Hz", point.residual, point.frequency));
+    }
+    let error = |point: &Point| point.truncation_error.unwrap_or(-1.0);
+    let largest = solved().max_by(|a, b| error(a).total_cmp(&error(b)));
+    if let Some((point, error)) = largest.and_then(|point| Some((point, point.truncation_error?))) {
+        let (n, at) = (point.harmonics, point.frequency);
+        lines.push(format!("worst truncation error (estimate): {error:.1e} at {at} Hz with N = {n}"));
     }
     if let Some(point) = solved().max_by_key(|point| point.iterations).filter(|point| point.iterations > 1) {
         lines.push(format!("most iterations: {} at {} Hz", point.iterations, point.frequency));

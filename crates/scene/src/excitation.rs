@@ -3,9 +3,9 @@
 use hbm::{Excitation, ExcitationKind};
 
 use crate::error::SceneError;
+use crate::harmonics::MOST_HARMONICS;
 use crate::model::Dofs;
 use crate::read::Node;
-use crate::solver::MOST_HARMONICS;
 
 pub(crate) const KEYS: [&str; 5] = ["dof", "harmonic", "amplitude", "phase", "kind"];
 

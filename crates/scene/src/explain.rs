@@ -1,6 +1,6 @@
 //! What a scene needs and what it leaves out, and why.
 
-use hbm::{Jacobian, POINTS_A_TASK, PlanFacts, Start};
+use hbm::{Jacobian, POINTS_A_TASK, PlanFacts, Settings, Start};
 use serde::Serialize;
 
 use crate::error::NOT_YET;
@@ -50,15 +50,50 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     } else {
         step("other solutions", false, "not asked for (--all-solutions)")
     });
-    for (what, instead) in [
-        ("continuation through folds", "each frequency is solved on its own"),
-        ("as many harmonics as each point needs", "every point has the harmonics of the scene"),
-        ("slaved high harmonics", "all harmonics are solved together"),
-        ("estimate of the truncation error", "compare with a larger --harmonics"),
-    ] {
-        steps.push(step(what, false, format!("{NOT_YET}; {instead}")));
-    }
+    steps.push(needed_harmonics(settings));
+    steps.push(slaved_harmonics());
+    steps.push(estimate(&facts, settings));
+    let alone = format!("{NOT_YET}; each frequency is solved on its own");
+    steps.push(step("continuation through folds", false, alone));
     steps
+}
+
+fn needed_harmonics(settings: &Settings) -> Step {
+    let what = "as many harmonics as each point needs";
+    match settings.truncation {
+        Some(tolerance) => step(
+            what,
+            true,
+            format!(
+                "until the truncation error is estimated below {tolerance:e}, {} at most",
+                settings.harmonics
+            ),
+        ),
+        None => step(
+            what,
+            false,
+            "every point has the harmonics of the scene (\"harmonics\": {\"tolerance\": …, \"max\": …})",
+        ),
+    }
+}
+
+fn slaved_harmonics() -> Step {
+    step("slaved high harmonics", false, "all harmonics are solved together")
+}
+
+fn estimate(facts: &PlanFacts, settings: &Settings) -> Step {
+    let what = "estimate of the truncation error";
+    match settings.estimate {
+        true if settings.truncation.is_some() => {
+            step(what, true, "it decides how many harmonics a point needs")
+        }
+        true => step(what, true, "each point says how far it is from the solution with all harmonics"),
+        false if facts.scalar => {
+            step(what, false, "one harmonic in closed form: nothing is evaluated beyond it (solver.estimate)")
+        }
+        false if settings.harmonics == 1 => step(what, false, "one harmonic (solver.estimate asks for it)"),
+        false => step(what, false, "the scene asks for none (solver.estimate)"),
+    }
 }
 
 fn period(facts: &PlanFacts) -> Step {

@@ -50,6 +50,8 @@ pub struct Point {
     pub status: &'static str,
     /// N of this point.
     pub harmonics: usize,
+    /// How many of its harmonics were found by substitution.
+    pub slaved: usize,
     /// Newton steps, all attempts together.
     pub iterations: usize,
     /// Relative to the excitation.
@@ -60,8 +62,11 @@ pub struct Point {
     /// Relative residuals of the last attempt of a failed point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual_history: Option<Vec<f64>>,
-    /// Estimated relative l2 error of the displacement spectrum; none is made yet.
+    /// Estimated relative l2 error of the displacement spectrum from having stopped at N, the worst of the dofs; `None`
+    /// where no estimate was made.
     pub truncation_error: Option<f64>,
+    /// Likewise from sampling the contact forces; 0 without samples.
+    pub sampling_error: Option<f64>,
     /// How many solutions exist, where that is known.
     pub solutions: Option<usize>,
     /// Spectrum in m of each output dof; not there when the point failed.
@@ -213,11 +218,13 @@ impl Names<'_> {
             frequency: solution.frequency,
             status,
             harmonics: solution.harmonics,
+            slaved: solution.slaved,
             iterations: solution.stats.iterations,
             residual: solution.residual,
             reason,
             residual_history: (!solved).then(|| solution.residual_history.clone()),
-            truncation_error: None,
+            truncation_error: solution.truncation_error,
+            sampling_error: solution.sampling_error,
             solutions: solution.solutions,
             displacement: solved.then(displacement),
             contacts: solved.then(contacts),

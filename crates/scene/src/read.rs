@@ -31,7 +31,7 @@ impl<'a> Node<'a> {
         SceneError::entry(&self.path, problem)
     }
 
-    fn must_be(&self, what: &str) -> SceneError {
+    pub(crate) fn must_be(&self, what: &str) -> SceneError {
         self.error(format!("must be {what}, got {}", self.json.describe()))
     }
 

@@ -9,6 +9,7 @@ use crate::contacts;
 use crate::error::SceneError;
 use crate::excitation;
 use crate::frequencies::Frequencies;
+use crate::harmonics::Harmonics;
 use crate::json;
 use crate::model::{self, Dofs};
 use crate::read::Node;
@@ -28,6 +29,8 @@ pub struct Scene {
     pub(crate) dofs: Dofs,
     pub(crate) problem: Problem,
     pub(crate) settings: Settings,
+    /// What `solver.estimate` says.
+    estimate: Option<bool>,
     pub(crate) frequencies: Frequencies,
     pub(crate) notes: Vec<String>,
     read_in: Duration,
@@ -63,7 +66,10 @@ impl Scene {
         let contacts = contacts::read(scene.get("contacts"), &dofs, base)?;
         let form = "{\"from\": 20.0, \"to\": 200.0, \"points\": 721}";
         let frequencies = Frequencies::read(&scene.need("frequencies", form)?)?;
-        let settings = solver::read(scene.get("harmonics"), scene.get("solver"))?;
+        let harmonics = scene.get("harmonics").map_or(Ok(Harmonics::ONE), |node| Harmonics::read(&node))?;
+        let mut settings = Settings::new(1);
+        let estimate = solver::read(scene.get("solver"), &mut settings)?;
+        harmonics.apply(estimate, &mut settings);
         let mut problem = Problem { model, excitation, contacts: contacts.contacts, output: Vec::new() };
         problem.output = match scene.get("output") {
             Some(node) => read_output(&node, &dofs)?,
@@ -74,18 +80,19 @@ impl Scene {
             dofs,
             problem,
             settings,
+            estimate,
             frequencies,
             notes: contacts.notes,
             read_in: began.elapsed(),
         })
     }
 
-    /// The same scene with N harmonics.
+    /// The same scene with another number of harmonics.
     ///
     /// # Errors
-    /// When N is none.
-    pub fn with_harmonics(mut self, harmonics: usize) -> Result<Self, SceneError> {
-        self.settings.harmonics = solver::check_harmonics(harmonics)?;
+    /// When it is none.
+    pub fn with_harmonics(mut self, harmonics: impl Into<Harmonics>) -> Result<Self, SceneError> {
+        harmonics.into().check()?.apply(self.estimate, &mut self.settings);
         Ok(self)
     }
 
@@ -122,6 +129,14 @@ impl Scene {
     /// Names of the contacts, those of `pairs` one by one.
     pub fn contacts(&self) -> impl Iterator<Item = &str> {
         self.problem.contacts.iter().map(|contact| contact.name.as_str())
+    }
+
+    /// How many harmonics its points have.
+    pub fn harmonics(&self) -> Harmonics {
+        match self.settings.truncation {
+            Some(tolerance) => Harmonics::Needed { tolerance, max: self.settings.harmonics },
+            None => Harmonics::All(self.settings.harmonics),
+        }
     }
 
     /// The frequencies of the sweep.

@@ -9,7 +9,9 @@ mod tests {
     use serde_json::Value;
 
     use super::SCHEMA;
-    use crate::{contacts, excitation, frequencies, iwan, law, loop_family, loops, model, scene, solver};
+    use crate::{
+        contacts, excitation, frequencies, harmonics, iwan, law, loop_family, loops, model, scene, solver,
+    };
 
     /// Properties of a definition, or of the scene itself, without remarks.
     fn properties(definition: &str) -> Vec<String> {
@@ -43,6 +45,7 @@ mod tests {
             ("units", &loops::QUANTITIES),
             ("range", &frequencies::KEYS),
             ("solver", &solver::KEYS),
+            ("needed_harmonics", &harmonics::ADAPTIVE_KEYS),
         ] {
             let mut keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
             keys.sort();

@@ -63,6 +63,13 @@ fn schema_and_reader_agree() {
         (false, "/model/damping", json!({ "matrix_market": "D.mtx" })),
         (false, "/model/dofs", json!(["ground"])),
         (false, "/model/mass", json!([["1"]])),
+        (true, "/harmonics", json!({ "tolerance": 1e-6, "max": 63 })),
+        (false, "/harmonics", json!({ "tolerance": 1, "max": 63 })),
+        (false, "/harmonics", json!({ "tolerance": 1e-6, "max": 0 })),
+        (false, "/harmonics", json!({ "max": 63 })),
+        (false, "/harmonics", json!(1.5)),
+        (true, "/solver", json!({ "estimate": true, "samples": 256 })),
+        (false, "/solver", json!({ "estimate": 1 })),
         (true, "/excitation/0", json!({ "kind": "base", "amplitude": 1 })),
         (false, "/excitation/0", json!({ "kind": "base", "amplitude": 1, "dof": "a" })),
         (false, "/excitation/0", json!({ "amplitude": 1 })),
@@ -117,7 +124,13 @@ fn schema_and_reader_agree() {
     let laws = laws.into_iter().map(|(good, (place, value))| (good, place, value));
     for (good, place, value) in cases.into_iter().chain(laws) {
         let mut scene = base.clone();
-        *scene.pointer_mut(place).unwrap() = value.clone();
+        let (parent, key) = place.rsplit_once('/').unwrap();
+        match scene.pointer_mut(parent).unwrap() {
+            Value::Object(members) => {
+                members.insert(key.into(), value.clone());
+            }
+            items => items[key.parse::<usize>().unwrap()] = value.clone(),
+        }
         assert_eq!(fits(&scene), good, "schema: {place} {value}");
         assert_eq!(
             Scene::from_str(&scene.to_string(), Path::new(".")).is_ok(),

@@ -1,0 +1,180 @@
+//! `cargo xtask estimates`: what the solver's error estimates are worth on every point of the scene library.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use hbm::{Plan, Settings};
+use rayon::prelude::*;
+use scene::Scene;
+use study::{EstimateQuality, JudgedPoint};
+
+use crate::library;
+use crate::markdown::{significant, table};
+use crate::truths::{self, Truth};
+
+/// N at which every point is judged.
+const HARMONICS: [usize; 8] = [1, 3, 5, 7, 11, 15, 23, 31];
+/// Most underestimated points that are listed.
+const LISTED: usize = 15;
+
+/// Judges every scene of the library, or those whose name contains one of `names`; prints tables and writes
+/// `docs/figures/estimates.csv` when the whole library was judged, else `target/estimates.csv`.
+pub(crate) fn run(root: &Path, names: &[&str]) -> Result<()> {
+    let began = Instant::now();
+    let wanted = |scene: &Scene| names.is_empty() || names.iter().any(|name| scene.name().contains(name));
+    let mut points = Vec::new();
+    for scene in library::scenes(root)?.into_iter().filter(wanted) {
+        let began = Instant::now();
+        points.extend(judge(&scene)?);
+        eprintln!("{}: {:.1} s", scene.name(), began.elapsed().as_secs_f64());
+    }
+    ensure!(!points.is_empty(), "no scene of the library has such a name");
+    print!("{}", report(&points));
+    let folder = if names.is_empty() { root.join("docs").join("figures") } else { root.join("target") };
+    let path = folder.join("estimates.csv");
+    fs::write(&path, csv(&points)).with_context(|| path.display().to_string())?;
+    eprintln!("{}: {} points in {:.1} s", path.display(), points.len(), began.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// Every frequency of `scene` at every N that carries its excitation.
+fn judge(scene: &Scene) -> Result<Vec<JudgedPoint>> {
+    let truths = truths::of_scene(scene)?;
+    let lowest = scene.problem().excitation.iter().map(|e| e.harmonic).max().unwrap_or(1);
+    let mut points = Vec::new();
+    for harmonics in HARMONICS.into_iter().filter(|n| *n >= lowest) {
+        let mut settings = Settings::new(harmonics);
+        settings.estimate = true;
+        let plan = Plan::new(scene.problem(), &settings)?;
+        let judged: Vec<_> = truths
+            .par_iter()
+            .flatten()
+            .map_init(
+                || plan.workspace(),
+                |workspace, truth| {
+                    let solution = plan.solve(truth.reference.frequency, workspace);
+                    point(scene.name(), harmonics, truth, &plan, &solution)
+                },
+            )
+            .collect();
+        points.extend(judged);
+    }
+    Ok(points)
+}
+
+fn point(scene: &str, harmonics: usize, truth: &Truth, plan: &Plan, solution: &hbm::Solution) -> JudgedPoint {
+    let error = truth.reference.error(plan, solution);
+    let sampling = solution.sampling_error.unwrap_or(0.0);
+    JudgedPoint {
+        scene: scene.to_owned(),
+        frequency: truth.reference.frequency,
+        harmonics,
+        error,
+        estimate: solution.truncation_error.map(|truncation| truncation.hypot(sampling)),
+        reference_accuracy: truth.reference.accuracy,
+        elsewhere: JudgedPoint::elsewhere(error, &truths::amplitudes(solution), &truth.amplitudes),
+    }
+}
+
+fn report(points: &[JudgedPoint]) -> String {
+    let mut names: Vec<&str> = points.iter().map(|point| point.scene.as_str()).collect();
+    names.dedup();
+    let of = |label: String, holds: &dyn Fn(&JudgedPoint) -> bool| {
+        row(label, EstimateQuality::of(points.iter().filter(|point| holds(point))))
+    };
+    let mut scenes: Vec<_> =
+        names.iter().map(|name| of((*name).to_owned(), &|point| point.scene == *name)).collect();
+    scenes.push(of("all".to_owned(), &|_| true));
+    scenes.push(of("all that sit on the truth's motion".to_owned(), &|point| !point.elsewhere));
+    let counts: Vec<_> =
+        HARMONICS.iter().map(|n| of(n.to_string(), &|point| point.harmonics == *n)).collect();
+    let head = |first| [first, "points", "≥ error", "≤ 10 × error", "least", "median", "greatest ratio"];
+    format!(
+        "{}\n{}\n{}\n{}",
+        table(head("scene"), &scenes),
+        table(head("N"), &counts),
+        worst(points),
+        elsewhere(points)
+    )
+}
+
+fn row(label: String, quality: Option<EstimateQuality>) -> [String; 7] {
+    let dash = || "—".to_owned();
+    match quality {
+        None => [label, "0".to_owned(), dash(), dash(), dash(), dash(), dash()],
+        Some(EstimateQuality { points, safe, tight, ratios: [least, median, greatest] }) => [
+            label,
+            points.to_string(),
+            format!("{:.1} %", 100.0 * safe),
+            format!("{:.1} %", 100.0 * tight),
+            significant(least, 2),
+            significant(median, 2),
+            significant(greatest, 2),
+        ],
+    }
+}
+
+/// The points whose estimate is furthest below, and furthest above the error.
+fn worst(points: &[JudgedPoint]) -> String {
+    let mut known: Vec<(f64, &JudgedPoint)> =
+        points.iter().filter_map(|point| Some((point.ratio()?, point))).collect();
+    known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let line = |(ratio, point): &(f64, &JudgedPoint)| {
+        let JudgedPoint { scene, frequency, harmonics, error, .. } = point;
+        let mark = if point.elsewhere { "elsewhere" } else { "" };
+        [
+            scene.clone(),
+            format!("{frequency}"),
+            harmonics.to_string(),
+            format!("{error:.1e}"),
+            significant(*ratio, 2),
+            mark.to_owned(),
+        ]
+    };
+    let low: Vec<_> = known.iter().filter(|(ratio, _)| *ratio < 1.0).take(LISTED).map(line).collect();
+    let high: Vec<_> = known.iter().rev().filter(|(ratio, _)| *ratio > 10.0).take(LISTED).map(line).collect();
+    let head = |what| [what, "Hz", "N", "error", "ratio", ""];
+    format!(
+        "{}\n{}",
+        table(head("estimate furthest below the error"), &low),
+        table(head("furthest above"), &high)
+    )
+}
+
+/// Points whose motion is another one than the truth's.
+fn elsewhere(points: &[JudgedPoint]) -> String {
+    let mut text = String::from("other motions than the truth's (see `JudgedPoint::elsewhere`):\n");
+    for point in points.iter().filter(|point| point.elsewhere) {
+        let estimate = point.estimate.map_or("—".to_owned(), |estimate| format!("{estimate:.2}"));
+        let JudgedPoint { scene, frequency, harmonics, error, .. } = point;
+        let _ = writeln!(
+            text,
+            "  {scene}, {frequency} Hz, N = {harmonics}: error {error:.2}, estimate {estimate}"
+        );
+    }
+    let lost = points.iter().filter(|point| !point.error.is_finite());
+    for JudgedPoint { scene, frequency, harmonics, .. } in lost {
+        let _ = writeln!(text, "  {scene}, {frequency} Hz, N = {harmonics}: not solved");
+    }
+    text
+}
+
+fn csv(points: &[JudgedPoint]) -> String {
+    let mut text = String::from(
+        "# True and estimated relative l2 errors of the displacement spectrum. Written by `cargo xtask estimates`.\n\
+         scene,frequency,harmonics,error,estimate,reference_accuracy,elsewhere\n",
+    );
+    for point in points {
+        let JudgedPoint { scene, frequency, harmonics, error, estimate, reference_accuracy, elsewhere } =
+            point;
+        let estimate = estimate.map_or(String::new(), |estimate| format!("{estimate:.3e}"));
+        let _ = writeln!(
+            text,
+            "{scene},{frequency},{harmonics},{error:.3e},{estimate},{reference_accuracy:.1e},{elsewhere}"
+        );
+    }
+    text
+}
