@@ -113,29 +113,33 @@ fn samples_approach_events() {
     assert!((rate - 2.0).abs() < 0.25, "{rate}");
 }
 
-/// Stick–slip: F_k ~ k⁻², W_k ~ k⁻⁴, so the l2 error falls like (N + 1)^−3.5 and that of |W_1| like (N + 1)^−3.
+/// Stick–slip: F_k ~ k⁻², W_k ~ k⁻⁴, so the l2 error falls like (N + 1)^−3.5, √Σ_{k>N} k⁻⁸. The first harmonic feels the
+/// tail through Σ_{k>N} W_k K_{1−k} ~ Σ k⁻⁵, and through w at the turning points, Σ k⁻⁴ e^{ik(τ_r − τ_e)}, whose terms
+/// alternate since slip does not begin where it ends: both fall like (N + 1)^−4.
 #[test]
 fn rates_of_convergence_of_stick_slip() {
     let orders = [31, 63, 127, 255];
-    let plans = orders.map(|n| Plan::new(&scene_r(), &Settings::new(n)).unwrap());
-    let mut workspaces = plans.each_ref().map(Plan::workspace);
     let (mut spectra, mut firsts) = (Vec::new(), Vec::new());
-    for orbit in exact_orbits("R") {
-        let first = orbit.harmonics[0].1.norm();
-        let mut errors = Vec::new();
-        for (plan, workspace) in plans.iter().zip(&mut workspaces) {
-            let solution = plan.solve(orbit.hertz, workspace);
-            let found = &solution.displacement[0];
-            errors.push((orbit.error(plan, found), (found[0].norm() / first - 1.0).abs()));
+    for (problem, scene) in [(scene_r(), "R"), (scene_p(), "P")] {
+        let plans = orders.map(|n| Plan::new(&problem, &Settings::new(n)).unwrap());
+        let mut workspaces = plans.each_ref().map(Plan::workspace);
+        for orbit in exact_orbits(scene) {
+            let first = orbit.harmonics[0].1.norm();
+            let mut errors = Vec::new();
+            for (plan, workspace) in plans.iter().zip(&mut workspaces) {
+                let solution = plan.solve(orbit.hertz, workspace);
+                let found = &solution.displacement[0];
+                errors.push((orbit.error(plan, found), (found[0].norm() / first - 1.0).abs()));
+            }
+            spectra.push(rate(&orders, errors.iter().map(|e| e.0)));
+            firsts.push(rate(&orders, errors.iter().map(|e| e.1)));
         }
-        spectra.push(rate(&orders, errors.iter().map(|e| e.0)));
-        firsts.push(rate(&orders, errors.iter().map(|e| e.1)));
     }
     let mean = |rates: &[f64]| rates.iter().sum::<f64>() / rates.len() as f64;
-    assert!((mean(&spectra) + 3.5).abs() < 0.15, "{spectra:?}");
+    assert!((mean(&spectra) + 3.5).abs() < 0.1, "{spectra:?}");
     assert!(spectra.iter().all(|rate| (rate + 3.5).abs() < 0.4), "{spectra:?}");
-    // A single frequency may pass a zero of its error; all together may not.
-    assert!((mean(&firsts) + 3.0).abs() < 0.25, "{firsts:?}");
+    // A single frequency may pass a zero of its error; all together do not.
+    assert!((mean(&firsts) + 4.0).abs() < 0.2, "{firsts:?}");
 }
 
 /// Slope of ln error over ln (N + 1).
@@ -184,7 +188,7 @@ fn no_tail_where_substitution_does_not_contract() {
     assert_eq!(plan.solve(75.0, &mut plan.workspace()).slaved, 16);
 }
 
-/// The loop law without interior reversals is smooth: harmonics fall faster than any power.
+/// The loop law without interior reversals is smooth: its error falls faster than any power of N that a kink would leave.
 #[test]
 fn a_smooth_loop_converges_fast() {
     let problem = paper_scene();
@@ -205,8 +209,8 @@ fn a_smooth_loop_converges_fast() {
         };
         let errors = [7, 15, 31, 63].map(error);
         let rates: Vec<f64> = errors.windows(2).map(|pair| (pair[1] / pair[0]).log2()).collect();
-        // Each doubling gains more digits than the one before, and more than stick-slip's −3.5 from the first.
-        assert!(rates[0] < -4.0 && rates.windows(2).all(|r| r[1] < r[0]), "{hertz} Hz: {rates:?}");
+        // More than stick–slip's −3.5 from the first doubling, and far more at the last.
+        assert!(rates[0] < -4.0 && rates[2] < -10.0, "{hertz} Hz: {rates:?}");
         assert!(errors[3] < 1e-8, "{hertz} Hz: {errors:?}");
     }
 }
