@@ -11,8 +11,10 @@ mod error;
 mod periodic;
 mod start;
 mod system;
+mod truncation;
 mod truth;
 
 pub use error::StudyError;
 pub use system::system;
+pub use truncation::{Rate, Row, Truncation, TruncationOptions, truncation};
 pub use truth::{Errors, NoTruth, Reference, TrueDof, Truth, Truths};

@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn more_harmonics_are_nearer_to_the_truth() {
-        let law = r#"{"type": "scaled_loop", "loop": {"displacement": 8e-6, "force": 12}}"#;
+        let law = r#"{"type": "scaled_loop", "loop": {"displacement": 8e-6, "harmonics": [[1, 0.32, 11.99], [3, 2.83, 2.55]]}}"#;
         let (truth, one) = error(law, 1);
         let (_, seven) = error(law, 7);
         assert_eq!(truth.reference, Reference::Harmonics(127));
