@@ -1,4 +1,4 @@
-//! Convergence studies: errors over the size of a discretisation, and the rate at which they fall.
+//! Convergence studies: errors over the size of a discretisation, and the order at which they fall.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ pub struct Convergence {
 
 /// error ≈ constant · size^(−order)
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Rate {
+pub struct Order {
     /// Order of convergence, positive when errors fall.
     pub order: f64,
     /// The constant.
@@ -22,7 +22,7 @@ pub struct Rate {
 
 impl Convergence {
     /// The rate between sizes `from` and `to` by least squares in logarithms; `None` with fewer than two usable points.
-    pub fn rate(&self, from: f64, to: f64) -> Option<Rate> {
+    pub fn rate(&self, from: f64, to: f64) -> Option<Order> {
         let usable = |&&(size, error): &&(f64, f64)| {
             (from..=to).contains(&size) && size > 0.0 && error > 0.0 && error.is_finite()
         };
@@ -36,7 +36,7 @@ impl Convergence {
         let slope = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / square;
         let offset = y - slope * x;
         let spread = logs.iter().map(|p| (p.1 - offset - slope * p.0).abs()).fold(0.0, f64::max);
-        Some(Rate { order: -slope, constant: offset.exp(), spread: spread.exp() })
+        Some(Order { order: -slope, constant: offset.exp(), spread: spread.exp() })
     }
 }
 
