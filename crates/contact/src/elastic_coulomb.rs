@@ -136,11 +136,15 @@ impl Law for ElasticCoulomb {
     }
 
     fn nature(&self) -> Nature {
-        Nature { odd: true, determines_mean: false, linear: false }
+        Nature { odd: true, determines_mean: false, linear: false, rate_dependent: false }
     }
 
     fn length(&self) -> Option<f64> {
         Some(self.slip_displacement())
+    }
+
+    fn stiffest(&self) -> Option<f64> {
+        Some(self.stiffness)
     }
 
     fn force(

@@ -24,6 +24,8 @@ pub struct Nature {
     pub determines_mean: bool,
     /// Force proportional to displacement: no iteration is needed for it.
     pub linear: bool,
+    /// The force depends on the velocity dw/dt too, hence on [`Motion::omega`]; its tangent has [`Tangent::rate`].
+    pub rate_dependent: bool,
 }
 
 /// One period of the relative displacement of a contact, in harmonics and in samples.
@@ -37,6 +39,8 @@ pub struct Motion<'a> {
     pub velocity: &'a [f64],
     /// Only odd harmonics are present: `w(τ + π) = −w(τ)`.
     pub odd: bool,
+    /// dτ/dt in rad/s: `ẇ = omega · dw/dτ`. Rate-independent laws do not look at it.
+    pub omega: f64,
 }
 
 /// What the contact does over the period.
@@ -124,7 +128,7 @@ impl Workspace {
 
 /// A contact law: the force of one contact over one period of its relative displacement.
 ///
-/// All laws here are rate-independent and scalar. Amplitudes are half peak-to-peak.
+/// All laws here are scalar; all but [`crate::Coulomb`] are rate-independent. Amplitudes are half peak-to-peak.
 pub trait Law: Send + Sync + fmt::Debug {
     /// The law's name in a scene file.
     fn name(&self) -> &'static str;
@@ -139,6 +143,12 @@ pub trait Law: Send + Sync + fmt::Debug {
     /// Magnitude of the secant stiffness `|F_1|/a` in N/m at the amplitude `a` in m.
     fn secant_stiffness(&self, a: f64) -> f64 {
         self.describing_function().map_or(0.0, |law| law.first_harmonic(a).force.norm() / a)
+    }
+
+    /// The largest local stiffness in N/m that any motion can meet; `None` where there is no bound. Harmonics that the
+    /// structure answers much more softly than this can be found by substitution.
+    fn stiffest(&self) -> Option<f64> {
+        None
     }
 
     /// The force `f(τ_j)` in N (rig convention), written to `force` (as long as `motion.displacement`).

@@ -7,6 +7,8 @@
 //! The row factor 1/(1 + |Ĝ|) makes the residual a displacement where the contact is soft against the structure and a
 //! force where it is stiff, so that neither loses digits and nothing is divided by a receptance that may vanish.
 
+use std::ops::Range;
+
 use contact::Law;
 use faer::{Mat, c64};
 
@@ -31,8 +33,18 @@ pub(crate) struct Point {
     pub(crate) force: Vec<f64>,
     /// Dimensionless secant stiffness of every active contact, for homotopies that begin with a linear problem.
     pub(crate) secant: Vec<c64>,
+    /// From this slot on, all set so far contract under substitution.
+    pub(crate) contracting: usize,
+    /// Largest dimensionless stiffness, one an active contact.
+    stiffest: Vec<f64>,
+    /// Base angular frequency in rad/s.
+    pub(crate) omega: f64,
     held: Held,
 }
+
+/// Substitution into a harmonic counts as contracting when it shrinks an error at least by this factor, whatever the
+/// motion.
+const CONTRACTION: f64 = 0.05;
 
 /// What is needed to keep some contacts at rest.
 #[derive(Debug)]
@@ -52,6 +64,9 @@ impl Point {
             length: vec![1.0; contacts],
             force: vec![1.0; contacts],
             secant: vec![c64::ZERO; contacts],
+            contracting: 0,
+            stiffest: vec![f64::INFINITY; contacts],
+            omega: 0.0,
             held: Held {
                 contacts: Vec::with_capacity(contacts),
                 lu: Lu::new(contacts, contacts + 1),
@@ -75,6 +90,7 @@ impl Point {
     /// `G' = G − G_fh G_hh⁻¹ G_hf`, `u⁰' = u⁰ − G_fh G_hh⁻¹ u⁰_h`.
     pub(crate) fn set(&mut self, condensed: &Condensed, contacts: &[Contact], slots: usize, held: &[bool]) {
         let all = condensed.contacts;
+        self.omega = condensed.omega;
         let is_held = |c: usize| held.get(c).copied().unwrap_or(false);
         self.active.clear();
         self.active.extend((0..all).filter(|&c| !is_held(c)));
@@ -83,7 +99,17 @@ impl Point {
         for slot in 0..slots {
             self.reduce(condensed, slot);
         }
-        self.scale(contacts, slots);
+        self.choose_units(contacts, slots);
+        self.contracting = 0;
+        self.scale(0..slots);
+    }
+
+    /// Adds the harmonics in `slots`, which nothing excites, to those of [`Point::set`].
+    pub(crate) fn add(&mut self, condensed: &Condensed, slots: Range<usize>) {
+        for slot in slots.clone() {
+            self.reduce(condensed, slot);
+        }
+        self.scale(slots);
     }
 
     /// Physical receptance and free response of the active contacts of one slot.
@@ -116,8 +142,8 @@ impl Point {
         }
     }
 
-    /// Units of length and force, and the row factors.
-    fn scale(&mut self, contacts: &[Contact], slots: usize) {
+    /// Units of length and force.
+    fn choose_units(&mut self, contacts: &[Contact], slots: usize) {
         let width = self.width();
         for (row, &c) in self.active.iter().enumerate() {
             let size: f64 = (0..slots).map(|s| self.free[s * width + row].norm()).fold(0.0, f64::max);
@@ -126,8 +152,15 @@ impl Point {
             let force = law.secant_stiffness(length) * length * scale;
             self.length[row] = length;
             self.force[row] = if force > 0.0 { force } else { 1.0 };
+            let bound = law.stiffest().unwrap_or(f64::INFINITY);
+            self.stiffest[row] = bound * scale * length / self.force[row];
         }
-        for slot in 0..slots {
+    }
+
+    /// Takes the dimensions off, and sets the row factors.
+    fn scale(&mut self, slots: Range<usize>) {
+        let width = self.width();
+        for slot in slots {
             for row in 0..width {
                 for column in 0..width {
                     self.receptance[(slot * width + row) * width + column] *=
@@ -136,6 +169,13 @@ impl Point {
                 self.free[slot * width + row] /= self.length[row];
                 let own = self.receptance[(slot * width + row) * width + row].norm();
                 self.weight[slot * width + row] = 1.0 / (1.0 + own);
+                let pull = |column: usize| {
+                    self.receptance[(slot * width + row) * width + column].norm() * self.stiffest[column]
+                };
+                let factor: f64 = (0..width).map(pull).sum();
+                if factor.is_nan() || factor > CONTRACTION {
+                    self.contracting = slot + 1;
+                }
             }
         }
     }

@@ -8,6 +8,8 @@
 //! w_k = H_k⁻¹ f_k − H_k⁻¹ B F_k,   u_k = u⁰_k − G_k F_k,   G_k = Bᵀ H_k⁻¹ B,   u⁰_k = Bᵀ H_k⁻¹ f_k
 //! ```
 
+use std::ops::Range;
+
 use faer::{Mat, c64};
 
 use crate::dense::Lu;
@@ -46,6 +48,8 @@ pub(crate) struct Structure {
 pub(crate) struct Condensed {
     pub(crate) contacts: usize,
     pub(crate) outputs: usize,
+    /// Angular frequency of the lowest harmonic in rad/s.
+    pub(crate) omega: f64,
     /// G, entry `[slot][i][l]`.
     pub(crate) receptance: Vec<c64>,
     /// u⁰, entry `[slot][i]`.
@@ -133,6 +137,7 @@ impl Structure {
         Condensed {
             contacts,
             outputs,
+            omega: 0.0,
             receptance: vec![c64::ZERO; slots * contacts * contacts],
             free: vec![c64::ZERO; slots * contacts],
             recovery: vec![c64::ZERO; slots * outputs * contacts],
@@ -143,13 +148,20 @@ impl Structure {
         }
     }
 
-    /// Condenses at Ω = 2π · `hertz`.
+    /// Condenses at Ω = 2π · `hertz` for the harmonics in `slots`.
     ///
     /// # Errors
     /// The harmonic of Ω at which the dynamic stiffness is singular.
-    pub(crate) fn condense(&self, hertz: f64, into: &mut Condensed) -> Result<(), usize> {
+    pub(crate) fn condense(
+        &self,
+        hertz: f64,
+        slots: Range<usize>,
+        into: &mut Condensed,
+    ) -> Result<(), usize> {
         let base = std::f64::consts::TAU * hertz;
-        for (slot, &order) in self.orders.iter().enumerate() {
+        let lowest = self.orders.iter().find(|&&order| order > 0);
+        into.omega = base * lowest.map_or(1.0, |&order| order as f64);
+        for (slot, &order) in self.orders.iter().enumerate().take(slots.end).skip(slots.start) {
             self.factor(order as f64 * base, into);
             let ratio = into.lu.pivot_ratio();
             if ratio.is_nan() || ratio <= SINGULAR {

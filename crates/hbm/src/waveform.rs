@@ -17,10 +17,11 @@ impl Plan {
             return None;
         }
         let repeats = self.harmonics.fundamental;
-        let least = samples.div_ceil(repeats).max(4 * (self.harmonics.highest() + 1));
+        let least = samples.div_ceil(repeats).max(4 * (self.harmonics.asked + 1));
         let transform = Transform::new(least + least % 2);
         let total = transform.samples() * repeats;
         let in_time = |slots: &[Complex64]| repeat(&self.sampled(&transform, slots, 0), repeats);
+        let omega = TAU * solution.frequency * repeats as f64;
         let contacts = self.contacts.iter().zip(&solution.contacts);
         Some(Waveform {
             phase: (0..total).map(|j| TAU * j as f64 / total as f64).collect(),
@@ -28,7 +29,7 @@ impl Plan {
             contacts: contacts
                 .map(|(contact, report)| WaveformContact {
                     displacement: in_time(&report.displacement),
-                    force: match self.law_force(&transform, contact, report) {
+                    force: match self.law_force(&transform, omega, contact, report) {
                         Some(force) => repeat(&force, repeats),
                         None => in_time(&report.force),
                     },
@@ -39,7 +40,7 @@ impl Plan {
 
     /// Harmonics of the base frequency 0..=n from the plan's slots, differentiated `order` times.
     fn dense(&self, slots: &[Complex64], order: i32) -> Vec<Complex64> {
-        let mut spectrum = vec![Complex64::ZERO; self.harmonics.highest() + 1];
+        let mut spectrum = vec![Complex64::ZERO; self.harmonics.asked + 1];
         for (&k, &amplitude) in self.harmonics.reduced.iter().zip(slots) {
             if let Some(entry) = spectrum.get_mut(k) {
                 *entry = amplitude * Complex64::new(0.0, k as f64).powi(order);
@@ -58,6 +59,7 @@ impl Plan {
     fn law_force(
         &self,
         transform: &Transform,
+        omega: f64,
         contact: &crate::Contact,
         report: &ContactSolution,
     ) -> Option<Vec<f64>> {
@@ -69,6 +71,7 @@ impl Plan {
             displacement: &self.sampled(transform, &report.displacement, 0),
             velocity: &self.sampled(transform, &report.displacement, 1),
             odd: self.harmonics.odd,
+            omega,
         };
         let mut force = vec![0.0; transform.samples()];
         let mut workspace = contact::Workspace::new(transform.samples());
