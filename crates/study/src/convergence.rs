@@ -26,7 +26,8 @@ impl Convergence {
         let usable = |&&(size, error): &&(f64, f64)| {
             (from..=to).contains(&size) && size > 0.0 && error > 0.0 && error.is_finite()
         };
-        let logs: Vec<(f64, f64)> = self.points.iter().filter(usable).map(|(n, e)| (n.ln(), e.ln())).collect();
+        let logs: Vec<(f64, f64)> =
+            self.points.iter().filter(usable).map(|(n, e)| (n.ln(), e.ln())).collect();
         let count = logs.len() as f64;
         let (x, y) = logs.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
         let square: f64 = logs.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
