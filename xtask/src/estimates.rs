@@ -21,7 +21,7 @@ const HARMONICS: [usize; 8] = [1, 3, 5, 7, 11, 15, 23, 31];
 const LISTED: usize = 15;
 
 /// Judges every scene of the library, or those whose name contains one of `names`; prints tables and writes
-/// `docs/figures/estimates.csv` when the whole library was judged, else `target/estimates.csv`.
+/// `target/estimates.csv`.
 pub(crate) fn run(root: &Path, names: &[&str]) -> Result<()> {
     let began = Instant::now();
     let wanted = |scene: &Scene| names.is_empty() || names.iter().any(|name| scene.name().contains(name));
@@ -33,8 +33,7 @@ pub(crate) fn run(root: &Path, names: &[&str]) -> Result<()> {
     }
     ensure!(!points.is_empty(), "no scene of the library has such a name");
     print!("{}", report(&points));
-    let folder = if names.is_empty() { root.join("docs").join("figures") } else { root.join("target") };
-    let path = folder.join("estimates.csv");
+    let path = root.join("target").join("estimates.csv");
     fs::write(&path, csv(&points)).with_context(|| path.display().to_string())?;
     eprintln!("{}: {} points in {:.1} s", path.display(), points.len(), began.elapsed().as_secs_f64());
     Ok(())

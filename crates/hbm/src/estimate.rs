@@ -110,7 +110,7 @@ impl Plan {
         self.outputs(here, &mut near, ws);
         let iterations = ws.stats.iterations;
         std::mem::swap(&mut ws.newton.history, &mut ws.history);
-        let found = self.leading_digits(there, (from, to), ws);
+        let found = self.leading_digits(hertz, there, (from, to), ws);
         std::mem::swap(&mut ws.newton.history, &mut ws.history);
         if self.settings.truncation.is_none() {
             ws.stats.iterations = iterations;
@@ -123,7 +123,13 @@ impl Plan {
     }
 
     /// The solution of rung `there` to a few digits, from the one with the first `from` harmonics; whether it was found.
-    fn leading_digits(&self, there: usize, (from, to): (usize, usize), ws: &mut Workspace) -> bool {
+    fn leading_digits(
+        &self,
+        hertz: f64,
+        there: usize,
+        (from, to): (usize, usize),
+        ws: &mut Workspace,
+    ) -> bool {
         let width = ws.point.width();
         let count = from * width;
         self.extend(there, from, to, ws);
@@ -137,6 +143,9 @@ impl Plan {
             ws.unknowns[..count].copy_from_slice(&ws.solved[..count]);
             let goal = std::mem::replace(&mut ws.goal, there);
             outcome = self.climb(there, ws);
+            if !outcome.converged {
+                outcome = self.fall_back(hertz, ws);
+            }
             ws.goal = goal;
         }
         outcome.converged
