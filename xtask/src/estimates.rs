@@ -6,14 +6,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
-use hbm::{Plan, Settings};
+use hbm::{Plan, Settings, Solution};
 use rayon::prelude::*;
 use scene::Scene;
 use study::{EstimateQuality, JudgedPoint};
 
 use crate::library;
 use crate::markdown::{significant, table};
-use crate::truths::{self, Truth};
+use crate::truths::{self, Known};
 
 /// N at which every point is judged.
 const HARMONICS: [usize; 8] = [1, 3, 5, 7, 11, 15, 23, 31];
@@ -21,7 +21,7 @@ const HARMONICS: [usize; 8] = [1, 3, 5, 7, 11, 15, 23, 31];
 const LISTED: usize = 15;
 
 /// Judges every scene of the library, or those whose name contains one of `names`; prints tables and writes
-/// `docs/figures/estimates.csv` when the whole library was judged, else `target/estimates.csv`.
+/// `target/estimates.csv`.
 pub(crate) fn run(root: &Path, names: &[&str]) -> Result<()> {
     let began = Instant::now();
     let wanted = |scene: &Scene| names.is_empty() || names.iter().any(|name| scene.name().contains(name));
@@ -33,8 +33,7 @@ pub(crate) fn run(root: &Path, names: &[&str]) -> Result<()> {
     }
     ensure!(!points.is_empty(), "no scene of the library has such a name");
     print!("{}", report(&points));
-    let folder = if names.is_empty() { root.join("docs").join("figures") } else { root.join("target") };
-    let path = folder.join("estimates.csv");
+    let path = root.join("target").join("estimates.csv");
     fs::write(&path, csv(&points)).with_context(|| path.display().to_string())?;
     eprintln!("{}: {} points in {:.1} s", path.display(), points.len(), began.elapsed().as_secs_f64());
     Ok(())
@@ -42,7 +41,7 @@ pub(crate) fn run(root: &Path, names: &[&str]) -> Result<()> {
 
 /// Every frequency of `scene` at every N that carries its excitation.
 fn judge(scene: &Scene) -> Result<Vec<JudgedPoint>> {
-    let truths = truths::of_scene(scene)?;
+    let truths = truths::of_scene(scene, HARMONICS[HARMONICS.len() - 1])?;
     let lowest = scene.problem().excitation.iter().map(|e| e.harmonic).max().unwrap_or(1);
     let mut points = Vec::new();
     for harmonics in HARMONICS.into_iter().filter(|n| *n >= lowest) {
@@ -55,7 +54,7 @@ fn judge(scene: &Scene) -> Result<Vec<JudgedPoint>> {
             .map_init(
                 || plan.workspace(),
                 |workspace, truth| {
-                    let solution = plan.solve(truth.reference.frequency, workspace);
+                    let solution = plan.solve(truth.truth.frequency, workspace);
                     point(scene.name(), harmonics, truth, &plan, &solution)
                 },
             )
@@ -65,17 +64,18 @@ fn judge(scene: &Scene) -> Result<Vec<JudgedPoint>> {
     Ok(points)
 }
 
-fn point(scene: &str, harmonics: usize, truth: &Truth, plan: &Plan, solution: &hbm::Solution) -> JudgedPoint {
-    let error = truth.reference.error(plan, solution);
+fn point(scene: &str, harmonics: usize, known: &Known, plan: &Plan, solution: &Solution) -> JudgedPoint {
+    let errors = known.truth.errors(plan.orders(), solution);
+    let (error, peak) = errors.map_or((f64::INFINITY, 0.0), |errors| (errors.spectrum, errors.peak));
     let sampling = solution.sampling_error.unwrap_or(0.0);
     JudgedPoint {
         scene: scene.to_owned(),
-        frequency: truth.reference.frequency,
+        frequency: known.truth.frequency,
         harmonics,
         error,
         estimate: solution.truncation_error.map(|truncation| truncation.hypot(sampling)),
-        reference_accuracy: truth.reference.accuracy,
-        elsewhere: JudgedPoint::elsewhere(error, &truths::amplitudes(solution), &truth.amplitudes),
+        reference_accuracy: known.accuracy,
+        elsewhere: JudgedPoint::elsewhere(error, peak),
     }
 }
 
@@ -91,7 +91,9 @@ fn report(points: &[JudgedPoint]) -> String {
     scenes.push(of("all that sit on the truth's motion".to_owned(), &|point| !point.elsewhere));
     let counts: Vec<_> =
         HARMONICS.iter().map(|n| of(n.to_string(), &|point| point.harmonics == *n)).collect();
-    let head = |first| [first, "points", "≥ error", "≤ 10 × error", "least", "median", "greatest ratio"];
+    let head = |first| {
+        [first, "points", "no estimate", "≥ error", "≤ 10 × error", "least", "median", "greatest ratio"]
+    };
     format!(
         "{}\n{}\n{}\n{}",
         table(head("scene"), &scenes),
@@ -101,13 +103,14 @@ fn report(points: &[JudgedPoint]) -> String {
     )
 }
 
-fn row(label: String, quality: Option<EstimateQuality>) -> [String; 7] {
+fn row(label: String, quality: Option<EstimateQuality>) -> [String; 8] {
     let dash = || "—".to_owned();
     match quality {
-        None => [label, "0".to_owned(), dash(), dash(), dash(), dash(), dash()],
-        Some(EstimateQuality { points, safe, tight, ratios: [least, median, greatest] }) => [
+        None => [label, "0".to_owned(), dash(), dash(), dash(), dash(), dash(), dash()],
+        Some(EstimateQuality { points, without, safe, tight, ratios: [least, median, greatest] }) => [
             label,
             points.to_string(),
+            without.to_string(),
             format!("{:.1} %", 100.0 * safe),
             format!("{:.1} %", 100.0 * tight),
             significant(least, 2),

@@ -57,6 +57,21 @@ impl Model {
         Ok(Self { mass, damping, stiffness })
     }
 
+    /// M in kg.
+    pub fn mass(&self) -> &Mat<f64> {
+        &self.mass
+    }
+
+    /// D in N s/m, however it was given.
+    pub fn damping(&self) -> &Mat<f64> {
+        &self.damping
+    }
+
+    /// C in N/m.
+    pub fn stiffness(&self) -> &Mat<f64> {
+        &self.stiffness
+    }
+
     /// Number of dofs n.
     pub fn dofs(&self) -> usize {
         self.mass.nrows()

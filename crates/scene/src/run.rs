@@ -52,6 +52,11 @@ impl<'s> Prepared<'s> {
         Solved { prepared: self, sweep, solve: began.elapsed() }
     }
 
+    /// The plan behind it.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
     /// How many frequencies there are to solve.
     pub fn points(&self) -> usize {
         self.scene.frequencies.as_slice().len()

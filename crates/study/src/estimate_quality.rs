@@ -25,17 +25,15 @@ pub struct JudgedPoint {
 const MEASURABLE: f64 = 3.0;
 /// Rounding of the solutions themselves.
 const ROUNDING: f64 = 1e-13;
-/// A motion this far from the truth, and with contact amplitudes this far from the truth's, is another motion.
+/// A motion this far from the truth, and with an amplitude this far from the truth's, is another motion.
 const FAR: f64 = 0.5;
 
 impl JudgedPoint {
-    /// Whether a motion with relative error `error` and the contact amplitudes `amplitudes` is another one than that
-    /// with the amplitudes `truth`: its error is above one half, and so is the relative difference of a contact's
-    /// amplitude to the true one. Such a point has not begun to converge; no estimate from its neighbourhood can be
-    /// right in size, it can only say that the error is large.
-    pub fn elsewhere(error: f64, amplitudes: &[f64], truth: &[f64]) -> bool {
-        let apart = |(a, b): (&f64, &f64)| (a - b).abs() > FAR * b.abs();
-        error > FAR && amplitudes.iter().zip(truth).any(apart)
+    /// Whether a motion with relative l2 error `error` and relative error `peak` of its amplitude is another one than
+    /// the truth: both are above one half. Such a point has not begun to converge; no estimate from its neighbourhood
+    /// can be right in size, it can only say that the error is large.
+    pub fn elsewhere(error: f64, peak: f64) -> bool {
+        error > FAR && peak > FAR
     }
 
     /// Whether the reference is good enough to say anything about this point.
@@ -54,6 +52,8 @@ impl JudgedPoint {
 pub struct EstimateQuality {
     /// Points with an estimate and a measurable error.
     pub points: usize,
+    /// Points with a measurable error that the solver made no estimate of.
+    pub without: usize,
     /// Share of them whose estimate is not below the error.
     pub safe: f64,
     /// Share of them whose estimate is at most ten times the error.
@@ -65,7 +65,8 @@ pub struct EstimateQuality {
 impl EstimateQuality {
     /// Over `points`; `None` when none of them has an estimate and a measurable error.
     pub fn of<'a>(points: impl IntoIterator<Item = &'a JudgedPoint>) -> Option<Self> {
-        let mut ratios: Vec<f64> = points.into_iter().filter_map(JudgedPoint::ratio).collect();
+        let measurable: Vec<&JudgedPoint> = points.into_iter().filter(|point| point.measurable()).collect();
+        let mut ratios: Vec<f64> = measurable.iter().filter_map(|point| point.ratio()).collect();
         ratios.sort_by(f64::total_cmp);
         let (least, greatest) = (*ratios.first()?, *ratios.last()?);
         let share = |holds: fn(f64) -> bool| {
@@ -73,6 +74,7 @@ impl EstimateQuality {
         };
         Some(Self {
             points: ratios.len(),
+            without: measurable.len() - ratios.len(),
             safe: share(|ratio| ratio >= 1.0),
             tight: share(|ratio| ratio <= 10.0),
             ratios: [least, ratios.get(ratios.len() / 2).copied().unwrap_or(least), greatest],
@@ -109,15 +111,16 @@ mod tests {
             point(f64::INFINITY, Some(1.0)),
         ];
         let quality = EstimateQuality::of(&points).unwrap();
-        assert_eq!((quality.points, quality.safe, quality.tight), (4, 0.75, 0.75));
+        assert_eq!((quality.points, quality.without), (4, 1));
+        assert_eq!((quality.safe, quality.tight), (0.75, 0.75));
         assert!((quality.ratios[0] - 0.5).abs() < 1e-12 && (quality.ratios[2] - 20.0).abs() < 1e-12);
         assert!(EstimateQuality::of(&points[4..5]).is_none());
     }
 
     #[test]
     fn a_wrong_amplitude_alone_is_no_other_motion() {
-        assert!(JudgedPoint::elsewhere(0.8, &[2.0], &[1.0]));
-        assert!(!JudgedPoint::elsewhere(0.4, &[2.0], &[1.0]));
-        assert!(!JudgedPoint::elsewhere(0.8, &[1.2], &[1.0]));
+        assert!(JudgedPoint::elsewhere(0.8, 0.9));
+        assert!(!JudgedPoint::elsewhere(0.4, 0.9));
+        assert!(!JudgedPoint::elsewhere(0.8, 0.2));
     }
 }

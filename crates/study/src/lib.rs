@@ -1,7 +1,29 @@
 //! Studies: many solutions of a scene, put side by side.
+//!
+//! - [`Truths`]: the exact response of a scene where it is known, else one with far more harmonics, and the distance of
+//!   a solution from it ([`Truth::errors`]).
+//! - [`truncation()`]: error and run time against the number of harmonics.
+//! - [`EstimateQuality`]: how far error estimates can be trusted.
+//! - [`Convergence`]: errors over the size of a discretisation, and the order at which they fall.
+//! - [`step_until_periodic`]: what one does without harmonic balance, for comparison.
+//!
+//! The *truncation error* of a point is everywhere the same: the worst over the output dofs of the relative l2 error of
+//! the dof's displacement spectrum over all harmonics, those above N being zero in the truncated one.
 
+mod convergence;
+mod error;
 mod estimate_quality;
-mod reference;
+mod periodic;
+mod start;
+mod stepping;
+mod system;
+mod truncation;
+mod truth;
 
+pub use convergence::{Convergence, Order};
+pub use error::StudyError;
 pub use estimate_quality::{EstimateQuality, JudgedPoint};
-pub use reference::{Reference, Spectrum};
+pub use stepping::{Stepped, SteppingError, SteppingSettings, step_until_periodic};
+pub use system::system;
+pub use truncation::{Rate, Row, Truncation, TruncationOptions, truncation};
+pub use truth::{Errors, NoTruth, Reference, TrueDof, Truth, Truths};

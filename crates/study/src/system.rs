@@ -1,0 +1,47 @@
+//! A scene in the terms of exact orbits.
+
+use std::f64::consts::TAU;
+
+use hbm::{Excitation, ExcitationKind};
+use num_complex::Complex64;
+use orbit::{Contact, Load, System};
+use scene::Scene;
+
+/// The system of `scene` at `hertz`: its matrices, its excitation as forces on dofs, its contacts.
+pub fn system(scene: &Scene, hertz: f64) -> System {
+    let problem = scene.problem();
+    let model = &problem.model;
+    let omega = TAU * hertz;
+    let contact = |contact: &hbm::Contact| Contact {
+        name: contact.name.clone(),
+        first: contact.first,
+        second: contact.second,
+        law: contact.law.clone(),
+        scale: contact.scale,
+    };
+    System {
+        mass: model.mass().clone(),
+        damping: model.damping().clone(),
+        stiffness: model.stiffness().clone(),
+        loads: problem.excitation.iter().flat_map(|entry| loads(entry, omega, model)).collect(),
+        contacts: problem.contacts.iter().map(contact).collect(),
+    }
+}
+
+/// The forces of one excitation.
+fn loads(entry: &Excitation, omega: f64, model: &hbm::Model) -> Vec<Load> {
+    let mut amplitude = Complex64::from_polar(entry.amplitude, entry.phase);
+    if entry.harmonic == 0 {
+        amplitude.im = 0.0;
+    }
+    let on = |dof: usize, amplitude: Complex64| Load { dof, harmonic: entry.harmonic, amplitude };
+    match entry.kind {
+        ExcitationKind::Force => vec![on(entry.dof, amplitude)],
+        ExcitationKind::Unbalance => vec![on(entry.dof, amplitude * omega * omega)],
+        // −M·1 on all dofs, whose displacements are relative to the base.
+        ExcitationKind::Base => {
+            let inertia = |dof: usize| -> f64 { model.mass().row(dof).iter().sum() };
+            (0..model.dofs()).map(|dof| on(dof, -amplitude * inertia(dof))).collect()
+        }
+    }
+}
