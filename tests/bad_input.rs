@@ -223,8 +223,8 @@ fn laws() {
     );
     refused(&law(json!("linear")), "contacts[0].law: must be an object");
     refused(
-        &law(json!({ "type": "coulomb" })),
-        "contacts[0].law.type: the law \"coulomb\" is not supported yet",
+        &law(json!({ "type": "coulomb", "slip_force": 10, "velocity": 0 })),
+        "contacts[0].law.velocity: must be positive, got 0",
     );
     refused(&scaled(json!({ "displacement": 8e-6 })), "contacts[0].law.loop: needs \"force\"");
     refused(

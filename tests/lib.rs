@@ -123,6 +123,7 @@ impl SampledMotion {
             displacement: &self.displacement,
             velocity: &self.velocity,
             odd: self.spectrum.iter().step_by(2).all(|w| *w == Complex64::ZERO),
+            omega: 1.0,
         }
     }
 }

@@ -38,7 +38,7 @@ impl Law for Cubic {
     }
 
     fn nature(&self) -> Nature {
-        Nature { odd: true, determines_mean: true, linear: false }
+        Nature { odd: true, determines_mean: true, linear: false, rate_dependent: false }
     }
 
     fn length(&self) -> Option<f64> {

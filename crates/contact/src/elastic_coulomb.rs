@@ -136,7 +136,7 @@ impl Law for ElasticCoulomb {
     }
 
     fn nature(&self) -> Nature {
-        Nature { odd: true, determines_mean: false, linear: false }
+        Nature { odd: true, determines_mean: false, linear: false, rate_dependent: false }
     }
 
     fn length(&self) -> Option<f64> {

@@ -172,7 +172,7 @@ impl Law for Iwan {
 
     /// The spring beside the sliders, where there is one, determines the mean; sliders follow it.
     fn nature(&self) -> Nature {
-        Nature { odd: true, determines_mean: self.spring() > 0.0, linear: false }
+        Nature { odd: true, determines_mean: self.spring() > 0.0, linear: false, rate_dependent: false }
     }
 
     fn length(&self) -> Option<f64> {

@@ -24,6 +24,8 @@ pub struct Nature {
     pub determines_mean: bool,
     /// Force proportional to displacement: no iteration is needed for it.
     pub linear: bool,
+    /// The force depends on the velocity dw/dt too, hence on [`Motion::omega`]; its tangent has [`Tangent::rate`].
+    pub rate_dependent: bool,
 }
 
 /// One period of the relative displacement of a contact, in harmonics and in samples.
@@ -37,6 +39,8 @@ pub struct Motion<'a> {
     pub velocity: &'a [f64],
     /// Only odd harmonics are present: `w(τ + π) = −w(τ)`.
     pub odd: bool,
+    /// dτ/dt in rad/s: `ẇ = omega · dw/dτ`. Rate-independent laws do not look at it.
+    pub omega: f64,
 }
 
 /// What the contact does over the period.
@@ -124,7 +128,7 @@ impl Workspace {
 
 /// A contact law: the force of one contact over one period of its relative displacement.
 ///
-/// All laws here are rate-independent and scalar. Amplitudes are half peak-to-peak.
+/// All laws here are scalar; all but [`crate::Coulomb`] are rate-independent. Amplitudes are half peak-to-peak.
 pub trait Law: Send + Sync + fmt::Debug {
     /// The law's name in a scene file.
     fn name(&self) -> &'static str;

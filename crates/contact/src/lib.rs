@@ -10,6 +10,7 @@
 //! | [`LoopFamily`] | `loop_family.rs` | measured loops at several amplitudes, interpolated |
 //! | [`ElasticCoulomb`] | `elastic_coulomb.rs` | spring in series with a Coulomb slider (Jenkins element) |
 //! | [`Iwan`] | `iwan.rs` | Jenkins elements in parallel, from a backbone (Masing's rule) |
+//! | [`Coulomb`] | `coulomb.rs` | F_s tanh(ẇ/v) |
 //! | [`Cubic`] | `cubic.rs` | k₃ w³ |
 //! | [`Linear`] | `linear.rs` | k w |
 //!
@@ -27,6 +28,7 @@
 //!   the vibrating mass is `−f`.
 
 mod backbone;
+mod coulomb;
 mod cubic;
 mod elastic_coulomb;
 mod error;
@@ -53,6 +55,7 @@ mod turning_points;
 #[cfg(test)]
 mod verification;
 
+pub use coulomb::{Coulomb, CoulombParameters};
 pub use cubic::{Cubic, CubicParameters};
 pub use elastic_coulomb::{ElasticCoulomb, ElasticCoulombParameters};
 pub use error::{LawError, ParameterError};

@@ -39,7 +39,7 @@ impl Law for Linear {
     }
 
     fn nature(&self) -> Nature {
-        Nature { odd: true, determines_mean: true, linear: true }
+        Nature { odd: true, determines_mean: true, linear: true, rate_dependent: false }
     }
 
     fn length(&self) -> Option<f64> {

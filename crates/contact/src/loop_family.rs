@@ -110,7 +110,7 @@ impl Law for LoopFamily {
     }
 
     fn nature(&self) -> Nature {
-        Nature { odd: self.odd, determines_mean: false, linear: false }
+        Nature { odd: self.odd, determines_mean: false, linear: false, rate_dependent: false }
     }
 
     /// The largest measured amplitude.

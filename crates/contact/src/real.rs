@@ -20,6 +20,8 @@ pub(crate) trait Real:
     fn sqrt(self) -> Self;
     /// ln(1 + x).
     fn ln_1p(self) -> Self;
+    /// tanh x.
+    fn tanh(self) -> Self;
 }
 
 impl Real for f64 {
@@ -37,6 +39,11 @@ impl Real for f64 {
     fn ln_1p(self) -> Self {
         f64::ln_1p(self)
     }
+
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        f64::tanh(self)
+    }
 }
 
 #[cfg(test)]
@@ -51,5 +58,9 @@ impl Real for num_dual::Dual64 {
 
     fn ln_1p(self) -> Self {
         num_dual::DualNum::ln_1p(&self)
+    }
+
+    fn tanh(self) -> Self {
+        num_dual::DualNum::tanh(&self)
     }
 }

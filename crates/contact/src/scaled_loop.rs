@@ -170,7 +170,7 @@ impl Law for ScaledLoop {
     }
 
     fn nature(&self) -> Nature {
-        Nature { odd: self.odd, determines_mean: false, linear: false }
+        Nature { odd: self.odd, determines_mean: false, linear: false, rate_dependent: false }
     }
 
     fn length(&self) -> Option<f64> {

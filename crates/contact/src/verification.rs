@@ -14,9 +14,9 @@ use proptest::prelude::*;
 use crate::path::Path;
 use crate::turning_points::TurningPoints;
 use crate::{
-    ContactState, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Iwan, Law, LawError,
-    Linear, LinearParameters, LoopFamily, MagnitudeLaw, Marks, Motion, PhaseLaw, Recall, ScaledLoop,
-    Symmetry, Tangent, Workspace,
+    ContactState, Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb,
+    ElasticCoulombParameters, Iwan, Law, LawError, Linear, LinearParameters, LoopFamily, MagnitudeLaw, Marks,
+    Motion, PhaseLaw, Recall, ScaledLoop, Symmetry, Tangent, Workspace,
 };
 
 /// A motion with its samples.
@@ -26,6 +26,9 @@ struct Sampled {
     velocity: Vec<f64>,
     odd: bool,
 }
+
+/// rad/s; only rate-dependent laws notice.
+const OMEGA: f64 = 300.0;
 
 impl Sampled {
     fn new(spectrum: &[Complex64], samples: usize) -> Self {
@@ -53,6 +56,7 @@ impl Sampled {
             displacement: &self.displacement,
             velocity: &self.velocity,
             odd: self.odd,
+            omega: OMEGA,
         }
     }
 }
@@ -110,6 +114,11 @@ fn jenkins() -> ElasticCoulomb {
     ElasticCoulomb::new(ElasticCoulombParameters { stiffness: 6.7e6, slip_force: 15.0 }).unwrap()
 }
 
+/// Velocities of [`motions`] are a few times its own.
+fn coulomb() -> Coulomb {
+    Coulomb::new(CoulombParameters { slip_force: 12.0, velocity: 5e-4 }).unwrap()
+}
+
 fn laws() -> Vec<Box<dyn Law>> {
     vec![
         Box::new(scaled(&odd_loop())),
@@ -120,6 +129,7 @@ fn laws() -> Vec<Box<dyn Law>> {
         Box::new(iwan::logarithmic(10.0)),
         Box::new(iwan::logarithmic(0.2)),
         Box::new(iwan::polygon()),
+        Box::new(coulomb()),
         Box::new(Cubic::new(CubicParameters { stiffness: 1e16 }).unwrap()),
         Box::new(Linear::new(LinearParameters { stiffness: 3e5 }).unwrap()),
     ]
@@ -158,9 +168,10 @@ fn predicted_samples(law: &dyn Law, motion: &Sampled, k: usize, change: Complex6
     law.force(&motion.motion(), &mut workspace, &mut vec![0.0; samples]).unwrap();
     let tangent: &Tangent = law.tangent(&motion.motion(), &mut workspace);
     let delta = |tau: f64| (change * Complex64::cis(k as f64 * tau)).re;
+    let delta_rate = |tau: f64| (change * complex(0.0, k as f64) * Complex64::cis(k as f64 * tau)).re;
     let recalled = |recall: Recall| match recall {
         Recall::Displacement { tau } => delta(tau),
-        Recall::Velocity { tau } => (change * complex(0.0, k as f64) * Complex64::cis(k as f64 * tau)).re,
+        Recall::Velocity { tau } => delta_rate(tau),
         Recall::Mean if k == 0 => change.re,
         Recall::Mean => 0.0,
     };
@@ -168,7 +179,9 @@ fn predicted_samples(law: &dyn Law, motion: &Sampled, k: usize, change: Complex6
         .map(|j| {
             let memories =
                 tangent.memories().iter().map(|memory| memory.influence[j] * recalled(memory.recall));
-            tangent.local[j] * delta(TAU * j as f64 / samples as f64) + memories.sum::<f64>()
+            let tau = TAU * j as f64 / samples as f64;
+            let rate = tangent.rate().map_or(0.0, |c| c[j] * delta_rate(tau));
+            tangent.local[j] * delta(tau) + rate + memories.sum::<f64>()
         })
         .collect()
 }
@@ -287,6 +300,13 @@ fn derivatives_agree_with_dual_numbers() {
                     continue;
                 }
                 let path = DualPath { motion: &motion, tips: &tips, k, change };
+                let creeping = coulomb();
+                let exact = predicted_samples(&creeping, &motion, k, change);
+                for (j, tangent) in exact.iter().enumerate() {
+                    let by = (change * complex(0.0, k as f64) * Complex64::cis(k as f64 * path.tau(j))).re;
+                    let dual = creeping.friction(Dual64::new(OMEGA * motion.velocity[j], OMEGA * by));
+                    assert!((dual.eps - tangent).abs() < 1e-9 * 1e6, "sample {j}: {} {tangent}", dual.eps);
+                }
                 let zero = Dual64::new(0.0, 0.0);
                 let mut force = vec![zero; samples];
                 let check = |law: &dyn Law, force: &[Dual64]| {
@@ -436,6 +456,15 @@ fn limits_of_the_laws() {
     assert_eq!(below.derivative, Complex64::from(law.stiffness()));
     let far = describing.first_harmonic(xc * 1e9).force;
     assert!((far - complex(0.0, 4.0 / PI * law.slip_force())).norm() < 1e-3 * law.slip_force());
+    // Regularised Coulomb: slow motion sees the damper F_s/v, fast motion the rectangle 4 F_s a.
+    let creeping = coulomb();
+    let area = |a: f64| {
+        let motion = Sampled::new(&[Complex64::ZERO, complex(a, 0.0)], 1 << 12);
+        work(&motion, &force_of(&creeping, &motion).unwrap().0)
+    };
+    let slow = PI * creeping.slip_force() / creeping.velocity() * OMEGA * 1e-12_f64.powi(2);
+    assert!((area(1e-12) / slow - 1.0).abs() < 1e-9);
+    assert!((area(1e-3) / (4.0 * creeping.slip_force() * 1e-3) - 1.0).abs() < 1e-5);
     // In time, across the limit between stick and slip.
     for (a, state) in [(xc * (1.0 - 1e-9), ContactState::Stick), (xc * (1.0 + 1e-9), ContactState::Mixed)] {
         let motion = Sampled::new(&[Complex64::ZERO, complex(a, 0.0)], 64);
@@ -450,7 +479,10 @@ fn limits_of_the_laws() {
 #[test]
 fn describing_functions_are_the_first_harmonic_in_time() {
     for law in laws() {
-        let describing = law.describing_function().unwrap();
+        let Some(describing) = law.describing_function() else {
+            assert_eq!(law.name(), "coulomb");
+            continue;
+        };
         for a in [1e-7, 2e-6, 2.3e-6, 9e-6, 1e-4] {
             let motion = Sampled::new(&[Complex64::ZERO, complex(a, 0.0)], 1 << 13);
             let in_time = harmonics(&force_of(&*law, &motion).unwrap().0, 1)[1];
@@ -577,7 +609,9 @@ fn nothing_moves() {
         let answer = force_of(&*law, &still);
         match law.name() {
             "scaled_loop" => assert_eq!(answer.unwrap_err(), LawError::NoMotion),
-            "elastic_coulomb" | "loop_family" => assert!(answer.unwrap().0.iter().all(|f| *f == 0.0)),
+            "elastic_coulomb" | "loop_family" | "coulomb" => {
+                assert!(answer.unwrap().0.iter().all(|f| *f == 0.0))
+            }
             _ => assert!(answer.unwrap().0.iter().all(|f| *f > 0.0)),
         }
     }
@@ -636,7 +670,7 @@ proptest! {
             .collect();
         let motion = Sampled::new(&spectrum, 2048);
         let (stack, family) = (iwan::logarithmic(10.0), family::odd_family());
-        for law in [&scaled(&odd_loop()) as &dyn Law, &jenkins(), &stack, &family] {
+        for law in [&scaled(&odd_loop()) as &dyn Law, &jenkins(), &coulomb(), &stack, &family] {
             let (force, _) = force_of(law, &motion).unwrap();
             let peak = force.iter().fold(0.0_f64, |top, f| top.max(f.abs()));
             prop_assert!(work(&motion, &force) > -1e-6 * peak * size, "{}", law.name());

@@ -6,6 +6,9 @@
 //! ```text
 //! δF_p = ε_p [δW_j K_{p−j} + conj(δW_j) K_{p+j}] + Σ_r S_{r,p} recall_r(δW_j),   ε_0 = ½, ε_p = 1
 //! ```
+//!
+//! A rate-dependent law adds `ε_p [ij δW_j C_{p−j} + conj(ij δW_j) C_{p+j}]` with the coefficients `C_q` of
+//! c(τ) = ∂f/∂(dw/dτ).
 
 use contact::{LawError, Marks, Motion, Recall};
 use faer::{Mat, c64};
@@ -55,11 +58,18 @@ struct ContactBuffers {
     /// The force by its events, where no samples are needed.
     events: PieceSeries,
     marks: Option<Marks>,
+    omega: f64,
 }
 
 impl ContactBuffers {
     fn motion(&self, odd: bool) -> Motion<'_> {
-        Motion { spectrum: &self.spectrum, displacement: &self.displacement, velocity: &self.velocity, odd }
+        Motion {
+            spectrum: &self.spectrum,
+            displacement: &self.displacement,
+            velocity: &self.velocity,
+            odd,
+            omega: self.omega,
+        }
     }
 }
 
@@ -81,6 +91,8 @@ pub(crate) struct BalanceBuffers {
     pub(crate) residual: Vec<c64>,
     /// K_q of one contact.
     local: Vec<c64>,
+    /// C_q of one contact; empty when its law does not depend on the velocity.
+    rate: Vec<c64>,
     /// S_{r,p} of one contact, entry `[memory][slot]`.
     influence: Vec<c64>,
     /// Coefficients (of Re δW_j, of Im δW_j) of each recalled functional, entry `[memory][slot]`.
@@ -100,6 +112,7 @@ impl Balance<'_> {
             force: vec![0.0; samples],
             events: PieceSeries::default(),
             marks: None,
+            omega: 0.0,
         };
         let entries = self.orders.len() * self.contacts.len();
         BalanceBuffers {
@@ -108,6 +121,7 @@ impl Balance<'_> {
             forces: vec![c64::ZERO; entries],
             residual: vec![c64::ZERO; entries],
             local: vec![c64::ZERO; samples / 2 + 1],
+            rate: Vec::new(),
             influence: Vec::new(),
             recall: Vec::new(),
         }
@@ -154,6 +168,7 @@ impl Balance<'_> {
         let width = point.width();
         let Contact { law, scale, .. } = &self.contacts[index];
         let contact = &mut buffers.contacts[index];
+        contact.omega = point.omega;
         contact.spectrum.fill(c64::ZERO);
         for (slot, &order) in self.orders.iter().enumerate().take(slots) {
             contact.spectrum[order] = unknowns[slot * width + row] * point.length[row];
@@ -170,6 +185,7 @@ impl Balance<'_> {
             displacement: &contact.displacement,
             velocity: &contact.velocity,
             odd: self.odd,
+            omega: contact.omega,
         };
         let unit = scale / point.force[row];
         if let Some(events) = events {
@@ -281,6 +297,7 @@ impl Balance<'_> {
         let law = &self.contacts[index].law;
         buffers.influence.clear();
         buffers.recall.clear();
+        buffers.rate.clear();
         let orders = &self.orders[..slots];
         if self.exact && law.piecewise_linear().is_some() {
             let series = contact.events.stiffness();
@@ -296,9 +313,13 @@ impl Balance<'_> {
             displacement: &contact.displacement,
             velocity: &contact.velocity,
             odd: self.odd,
+            omega: contact.omega,
         };
         let tangent = law.tangent(&motion, &mut contact.law);
         buffers.local.copy_from_slice(self.transform.to_coefficients(&tangent.local, &mut buffers.fft));
+        if let Some(rate) = tangent.rate() {
+            buffers.rate.extend_from_slice(self.transform.to_coefficients(rate, &mut buffers.fft));
+        }
         for memory in tangent.memories() {
             let coefficients = self.transform.to_coefficients(&memory.influence, &mut buffers.fft);
             let one_sided = |order: usize| if order == 0 { 1.0 } else { 2.0 };
@@ -327,16 +348,14 @@ impl Balance<'_> {
     #[inline]
     fn block(&self, buffers: &BalanceBuffers, slots: usize, p: usize, j: usize) -> (c64, c64) {
         let (order_p, order_j) = (self.orders[p], self.orders[j]);
-        let difference = if order_p >= order_j {
-            buffers.local[order_p - order_j]
-        } else {
-            buffers.local[order_j - order_p].conj()
-        };
-        let sum = buffers.local[order_p + order_j];
         let epsilon = if order_p == 0 { 0.5 } else { 1.0 };
-        let rotated = difference - sum;
-        let mut by_re = (difference + sum) * epsilon;
-        let mut by_im = c64::new(-rotated.im, rotated.re) * epsilon;
+        let (mut by_re, mut by_im) = convolved(&buffers.local, order_p, order_j, epsilon);
+        if !buffers.rate.is_empty() {
+            // δ(dw/dτ) = Re ij δW_j e^{ijτ}: Re δW_j acts like Im, Im δW_j like −Re.
+            let (re, im) = convolved(&buffers.rate, order_p, order_j, epsilon * order_j as f64);
+            by_re += im;
+            by_im -= re;
+        }
         let memories = buffers.recall.len() / slots;
         for memory in 0..memories {
             let influence = buffers.influence[memory * slots + p];
@@ -346,6 +365,15 @@ impl Balance<'_> {
         }
         (by_re, by_im)
     }
+}
+
+/// `ε [δW_j K_{p−j} + conj(δW_j) K_{p+j}]` for δW_j = 1 and δW_j = i.
+#[inline]
+fn convolved(coefficients: &[c64], p: usize, j: usize, epsilon: f64) -> (c64, c64) {
+    let difference = if p >= j { coefficients[p - j] } else { coefficients[j - p].conj() };
+    let sum = coefficients[p + j];
+    let rotated = difference - sum;
+    ((difference + sum) * epsilon, c64::new(-rotated.im, rotated.re) * epsilon)
 }
 
 /// What a functional makes of harmonic `order`: the coefficients of Re δW and Im δW.

@@ -99,7 +99,8 @@ impl Plan {
         let derivative = spectrum.iter().enumerate().map(|(k, f)| c64::new(-f.im, f.re) * k as f64);
         transform.to_time(derivative, &mut rate, &mut buffers);
         let mut extremes = TurningPoints::default();
-        let motion = Motion { spectrum: &spectrum, displacement: &force, velocity: &rate, odd: false };
+        let motion =
+            Motion { spectrum: &spectrum, displacement: &force, velocity: &rate, odd: false, omega: 0.0 };
         match extremes.find(&motion) {
             Ok(()) => extremes.points().iter().fold(0.0, |peak, p| peak.max(p.displacement.abs())),
             Err(_) => mean.abs(),

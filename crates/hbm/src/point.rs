@@ -31,6 +31,8 @@ pub(crate) struct Point {
     pub(crate) force: Vec<f64>,
     /// Dimensionless secant stiffness of every active contact, for homotopies that begin with a linear problem.
     pub(crate) secant: Vec<c64>,
+    /// Base angular frequency in rad/s.
+    pub(crate) omega: f64,
     held: Held,
 }
 
@@ -52,6 +54,7 @@ impl Point {
             length: vec![1.0; contacts],
             force: vec![1.0; contacts],
             secant: vec![c64::ZERO; contacts],
+            omega: 0.0,
             held: Held {
                 contacts: Vec::with_capacity(contacts),
                 lu: Lu::new(contacts, contacts + 1),
@@ -75,6 +78,7 @@ impl Point {
     /// `G' = G − G_fh G_hh⁻¹ G_hf`, `u⁰' = u⁰ − G_fh G_hh⁻¹ u⁰_h`.
     pub(crate) fn set(&mut self, condensed: &Condensed, contacts: &[Contact], slots: usize, held: &[bool]) {
         let all = condensed.contacts;
+        self.omega = condensed.omega;
         let is_held = |c: usize| held.get(c).copied().unwrap_or(false);
         self.active.clear();
         self.active.extend((0..all).filter(|&c| !is_held(c)));

@@ -46,6 +46,8 @@ pub(crate) struct Structure {
 pub(crate) struct Condensed {
     pub(crate) contacts: usize,
     pub(crate) outputs: usize,
+    /// Angular frequency of the lowest harmonic in rad/s.
+    pub(crate) omega: f64,
     /// G, entry `[slot][i][l]`.
     pub(crate) receptance: Vec<c64>,
     /// u⁰, entry `[slot][i]`.
@@ -133,6 +135,7 @@ impl Structure {
         Condensed {
             contacts,
             outputs,
+            omega: 0.0,
             receptance: vec![c64::ZERO; slots * contacts * contacts],
             free: vec![c64::ZERO; slots * contacts],
             recovery: vec![c64::ZERO; slots * outputs * contacts],
@@ -149,6 +152,8 @@ impl Structure {
     /// The harmonic of Ω at which the dynamic stiffness is singular.
     pub(crate) fn condense(&self, hertz: f64, into: &mut Condensed) -> Result<(), usize> {
         let base = std::f64::consts::TAU * hertz;
+        let lowest = self.orders.iter().find(|&&order| order > 0);
+        into.omega = base * lowest.map_or(1.0, |&order| order as f64);
         for (slot, &order) in self.orders.iter().enumerate() {
             self.factor(order as f64 * base, into);
             let ratio = into.lu.pivot_ratio();

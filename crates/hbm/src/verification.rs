@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use contact::{
-    Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, MagnitudeLaw, PhaseLaw,
-    ScaledLoop, Symmetry,
+    Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law,
+    MagnitudeLaw, PhaseLaw, ScaledLoop, Symmetry,
 };
 use faer::{Mat, c64, mat};
 use hysteresis::Loop;
@@ -31,6 +31,7 @@ fn uneven_law() -> Arc<dyn Law> {
 fn problem() -> Problem {
     let jenkins = ElasticCoulomb::new(ElasticCoulombParameters { stiffness: 2e6, slip_force: 5.0 }).unwrap();
     let cubic = Cubic::new(CubicParameters { stiffness: 1e15 }).unwrap();
+    let creeping = Coulomb::new(CoulombParameters { slip_force: 3.0, velocity: 0.3 }).unwrap();
     let contact =
         |first, second, law: Arc<dyn Law>, scale| Contact { name: "c".into(), first, second, law, scale };
     Problem {
@@ -49,6 +50,7 @@ fn problem() -> Problem {
             contact(0, None, uneven_law(), 1.0),
             contact(1, Some(0), Arc::new(jenkins), 2.0),
             contact(2, Some(1), Arc::new(cubic), 1.0),
+            contact(2, None, Arc::new(creeping), 1.0),
         ],
         output: vec![0],
     }
@@ -60,14 +62,14 @@ fn the_jacobian_agrees_with_central_differences() {
     let mut ws = plan.workspace();
     plan.structure.condense(70.0, &mut ws.condensed).unwrap();
     let slots = plan.slots();
-    ws.point.set(&ws.condensed, &plan.contacts, slots, &[false; 3]);
+    ws.point.set(&ws.condensed, &plan.contacts, slots, &[false; 4]);
     let rung = plan.rungs.len() - 1;
     let balance = plan.balance(rung);
     let buffers = &mut ws.balance[rung];
     let width = ws.point.width();
     let size = balance.size(width, slots);
-    assert_eq!((slots, size), (5, 2 * 3 * 5 - 3));
-    ws.point.secant.copy_from_slice(&[c64::new(0.7, 0.2), c64::new(1.3, 0.0), c64::new(0.2, 0.9)]);
+    assert_eq!((slots, size), (5, 2 * 4 * 5 - 4));
+    ws.point.secant.copy_from_slice(&[c64::new(0.7, 0.2), c64::new(1.3, 0.0), c64::new(0.2, 0.9), c64::ZERO]);
     for homotopy in [Homotopy::NONE, Homotopy { contact: 0.3, excitation: 2.0, secant: 0.4 }] {
         // A motion that slips, with reversals; the mean is real.
         let mut unknowns: Vec<c64> = (0..slots * width)

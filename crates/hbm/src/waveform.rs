@@ -21,6 +21,7 @@ impl Plan {
         let transform = Transform::new(least + least % 2);
         let total = transform.samples() * repeats;
         let in_time = |slots: &[Complex64]| repeat(&self.sampled(&transform, slots, 0), repeats);
+        let omega = TAU * solution.frequency * repeats as f64;
         let contacts = self.contacts.iter().zip(&solution.contacts);
         Some(Waveform {
             phase: (0..total).map(|j| TAU * j as f64 / total as f64).collect(),
@@ -28,7 +29,7 @@ impl Plan {
             contacts: contacts
                 .map(|(contact, report)| WaveformContact {
                     displacement: in_time(&report.displacement),
-                    force: match self.law_force(&transform, contact, report) {
+                    force: match self.law_force(&transform, omega, contact, report) {
                         Some(force) => repeat(&force, repeats),
                         None => in_time(&report.force),
                     },
@@ -58,6 +59,7 @@ impl Plan {
     fn law_force(
         &self,
         transform: &Transform,
+        omega: f64,
         contact: &crate::Contact,
         report: &ContactSolution,
     ) -> Option<Vec<f64>> {
@@ -69,6 +71,7 @@ impl Plan {
             displacement: &self.sampled(transform, &report.displacement, 0),
             velocity: &self.sampled(transform, &report.displacement, 1),
             odd: self.harmonics.odd,
+            omega,
         };
         let mut force = vec![0.0; transform.samples()];
         let mut workspace = contact::Workspace::new(transform.samples());

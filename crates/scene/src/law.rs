@@ -4,24 +4,23 @@ use std::path::Path;
 use std::sync::Arc;
 
 use contact::{
-    Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law, Linear, LinearParameters,
-    MagnitudeLaw, ParameterError, PhaseLaw, ScaledLoop, Symmetry,
+    Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law,
+    Linear, LinearParameters, MagnitudeLaw, ParameterError, PhaseLaw, ScaledLoop, Symmetry,
 };
 
-use crate::error::{NOT_YET, SceneError};
+use crate::error::SceneError;
 use crate::json::below;
 use crate::loops::{self, MeasuredLoop};
 use crate::read::{Node, Object, suggestion};
 use crate::{iwan, loop_family};
 
 /// Laws that exist.
-pub(crate) const LAWS: [&str; 6] =
-    ["scaled_loop", "loop_family", "elastic_coulomb", "iwan", "cubic", "linear"];
-/// Laws that are planned.
-pub(crate) const PLANNED: [&str; 1] = ["coulomb"];
+pub(crate) const LAWS: [&str; 7] =
+    ["scaled_loop", "loop_family", "elastic_coulomb", "iwan", "coulomb", "cubic", "linear"];
 
 pub(crate) const SCALED_LOOP_KEYS: [&str; 5] = ["type", "loop", "magnitude", "phase", "symmetric"];
 pub(crate) const ELASTIC_COULOMB_KEYS: [&str; 3] = ["type", "stiffness", "slip_force"];
+pub(crate) const COULOMB_KEYS: [&str; 3] = ["type", "slip_force", "velocity"];
 pub(crate) const SPRING_KEYS: [&str; 2] = ["type", "stiffness"];
 pub(crate) const MAGNITUDE_KEYS: [&str; 3] = ["offset", "slope", "shift"];
 pub(crate) const PHASE_KEYS: [&str; 3] = ["limit", "span", "decay"];
@@ -36,9 +35,15 @@ pub(crate) struct ReadLaw {
 pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
     let Some(kind) = node.peek("type") else {
         // Says that it is no object, or that the type is missing.
-        let any =
-            [&SCALED_LOOP_KEYS[..], &ELASTIC_COULOMB_KEYS, &SPRING_KEYS, &loop_family::KEYS, &iwan::KEYS]
-                .concat();
+        let any = [
+            &SCALED_LOOP_KEYS[..],
+            &ELASTIC_COULOMB_KEYS,
+            &COULOMB_KEYS,
+            &SPRING_KEYS,
+            &loop_family::KEYS,
+            &iwan::KEYS,
+        ]
+        .concat();
         node.object("type and its parameters", &any)?;
         let types = LAWS.map(|law| format!("{law:?}")).join(", ");
         return Err(SceneError::entry(
@@ -58,6 +63,13 @@ pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
             let parameters = ElasticCoulombParameters { stiffness, slip_force };
             Arc::new(ElasticCoulomb::new(parameters).map_err(|error| refused(node.path(), error))?)
         }
+        "coulomb" => {
+            let law = node.object("regularised Coulomb friction", &COULOMB_KEYS)?;
+            let slip_force = law.need("slip_force", "10.0, in N")?.number()?;
+            let velocity = law.need("velocity", "1e-3, in m/s")?.number()?;
+            let parameters = CoulombParameters { slip_force, velocity };
+            Arc::new(Coulomb::new(parameters).map_err(|error| refused(node.path(), error))?)
+        }
         "cubic" => {
             let law = node.object("a cubic spring", &SPRING_KEYS)?;
             let stiffness = law.need("stiffness", "1e9, in N/m³")?.number()?;
@@ -69,10 +81,6 @@ pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
             Arc::new(
                 Linear::new(LinearParameters { stiffness }).map_err(|error| refused(node.path(), error))?,
             )
-        }
-        _ if PLANNED.contains(&name) => {
-            let problem = format!("the law {name:?} is {NOT_YET}; known are {}", LAWS.join(", "));
-            return Err(kind.error(problem));
         }
         _ => {
             let hint = suggestion(name, &LAWS);

@@ -35,6 +35,7 @@ mod tests {
             ("loop_family", &loop_family::KEYS),
             ("iwan", &iwan::KEYS),
             ("elastic_coulomb", &law::ELASTIC_COULOMB_KEYS),
+            ("coulomb", &law::COULOMB_KEYS),
             ("cubic", &law::SPRING_KEYS),
             ("linear", &law::SPRING_KEYS),
             ("magnitude", &law::MAGNITUDE_KEYS),
