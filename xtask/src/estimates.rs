@@ -24,19 +24,25 @@ const LISTED: usize = 15;
 /// `target/estimates.csv`.
 pub(crate) fn run(root: &Path, names: &[&str]) -> Result<()> {
     let began = Instant::now();
-    let wanted = |scene: &Scene| names.is_empty() || names.iter().any(|name| scene.name().contains(name));
-    let mut points = Vec::new();
-    for scene in library::scenes(root)?.into_iter().filter(wanted) {
-        let began = Instant::now();
-        points.extend(judge(&scene)?);
-        eprintln!("{}: {:.1} s", scene.name(), began.elapsed().as_secs_f64());
-    }
-    ensure!(!points.is_empty(), "no scene of the library has such a name");
+    let points = judge_library(root, names)?;
     print!("{}", report(&points));
     let path = root.join("target").join("estimates.csv");
     fs::write(&path, csv(&points)).with_context(|| path.display().to_string())?;
     eprintln!("{}: {} points in {:.1} s", path.display(), points.len(), began.elapsed().as_secs_f64());
     Ok(())
+}
+
+/// Every scene of the library, or those whose name contains one of `names`.
+pub(crate) fn judge_library(root: &Path, names: &[&str]) -> Result<Vec<JudgedPoint>> {
+    let wanted = |scene: &Scene| names.is_empty() || names.iter().any(|name| scene.name().contains(name));
+    let mut points = Vec::new();
+    for scene in library::scenes(root)?.into_iter().filter(wanted) {
+        let began = Instant::now();
+        points.extend(judge(&scene)?);
+        eprintln!("estimates of {}: {:.1} s", scene.name(), began.elapsed().as_secs_f64());
+    }
+    ensure!(!points.is_empty(), "no scene of the library has such a name");
+    Ok(points)
 }
 
 /// Every frequency of `scene` at every N that carries its excitation.
@@ -80,27 +86,57 @@ fn point(scene: &str, harmonics: usize, known: &Known, plan: &Plan, solution: &S
 }
 
 fn report(points: &[JudgedPoint]) -> String {
-    let mut names: Vec<&str> = points.iter().map(|point| point.scene.as_str()).collect();
-    names.dedup();
-    let of = |label: String, holds: &dyn Fn(&JudgedPoint) -> bool| {
-        row(label, EstimateQuality::of(points.iter().filter(|point| holds(point))))
+    let count = |n: &usize| {
+        let quality = EstimateQuality::of(points.iter().filter(|point| point.harmonics == *n));
+        row(n.to_string(), quality)
     };
-    let mut scenes: Vec<_> =
-        names.iter().map(|name| of((*name).to_owned(), &|point| point.scene == *name)).collect();
-    scenes.push(of("all".to_owned(), &|_| true));
-    scenes.push(of("all that sit on the truth's motion".to_owned(), &|point| !point.elsewhere));
-    let counts: Vec<_> =
-        HARMONICS.iter().map(|n| of(n.to_string(), &|point| point.harmonics == *n)).collect();
-    let head = |first| {
-        [first, "points", "no estimate", "≥ error", "≤ 10 × error", "least", "median", "greatest ratio"]
-    };
+    let counts: Vec<_> = HARMONICS.iter().map(count).collect();
     format!(
         "{}\n{}\n{}\n{}",
-        table(head("scene"), &scenes),
+        scene_table(&by_scene(points)),
         table(head("N"), &counts),
         worst(points),
         elsewhere(points)
     )
+}
+
+/// What estimates are worth scene by scene, on all, and on all whose motion is the truth's.
+pub(crate) fn by_scene(points: &[JudgedPoint]) -> Vec<(String, Option<EstimateQuality>)> {
+    let mut names: Vec<&str> = points.iter().map(|point| point.scene.as_str()).collect();
+    names.dedup();
+    let of = |label: &str, holds: &dyn Fn(&JudgedPoint) -> bool| {
+        (label.to_owned(), EstimateQuality::of(points.iter().filter(|point| holds(point))))
+    };
+    let mut rows: Vec<_> = names.iter().map(|name| of(name, &|point| point.scene == *name)).collect();
+    rows.push(of("all", &|_| true));
+    rows.push(of("all on the truth's motion", &|point| !point.elsewhere));
+    rows
+}
+
+/// The table of [`by_scene`].
+pub(crate) fn scene_table(rows: &[(String, Option<EstimateQuality>)]) -> String {
+    let rows: Vec<_> = rows.iter().map(|(label, quality)| row(label.clone(), *quality)).collect();
+    table(head("scene"), &rows)
+}
+
+fn head(first: &str) -> [&str; 8] {
+    [first, "points", "no estimate", "≥ error", "≤ 10 × error", "least", "median", "greatest ratio"]
+}
+
+/// Share of points whose estimate must not be below the error, and share of those where it must be close to it.
+const REQUIRED: f64 = 0.95;
+
+/// Fails when estimates are not worth what they were made for.
+pub(crate) fn require(points: &[JudgedPoint]) -> Result<()> {
+    let quality = EstimateQuality::of(points).context("no point has an estimate")?;
+    ensure!(quality.without * 20 <= quality.points, "{} points have no estimate", quality.without);
+    ensure!(quality.safe >= REQUIRED, "only {:.3} of the estimates are not below the error", quality.safe);
+    ensure!(
+        quality.tight >= REQUIRED,
+        "only {:.3} of the estimates are within ten times the error",
+        quality.tight
+    );
+    Ok(())
 }
 
 fn row(label: String, quality: Option<EstimateQuality>) -> [String; 8] {
@@ -165,7 +201,8 @@ fn elsewhere(points: &[JudgedPoint]) -> String {
     text
 }
 
-fn csv(points: &[JudgedPoint]) -> String {
+/// One line a point.
+pub(crate) fn csv(points: &[JudgedPoint]) -> String {
     let mut text = String::from(
         "# True and estimated relative l2 errors of the displacement spectrum. Written by `cargo xtask estimates`.\n\
          scene,frequency,harmonics,error,estimate,reference_accuracy,elsewhere\n",

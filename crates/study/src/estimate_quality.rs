@@ -1,6 +1,6 @@
 //! How far error estimates can be trusted: true errors beside estimated ones, and the shares that hold.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One solved point at one N.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -48,7 +48,7 @@ impl JudgedPoint {
 }
 
 /// What the estimates of some points are worth.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct EstimateQuality {
     /// Points with an estimate and a measurable error.
     pub points: usize,

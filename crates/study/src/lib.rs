@@ -5,6 +5,7 @@
 //! - [`truncation()`]: error and run time against the number of harmonics.
 //! - [`EstimateQuality`]: how far error estimates can be trusted.
 //! - [`Convergence`]: errors over the size of a discretisation, and the order at which they fall.
+//! - [`work_precision`]: error against run time.
 //! - [`step_until_periodic`]: what one does without harmonic balance, for comparison.
 //!
 //! The *truncation error* of a point is everywhere the same: the worst over the output dofs of the relative l2 error of
@@ -19,6 +20,7 @@ mod stepping;
 mod system;
 mod truncation;
 mod truth;
+pub mod work_precision;
 
 pub use convergence::{Convergence, Order};
 pub use error::StudyError;

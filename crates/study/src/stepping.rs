@@ -212,30 +212,37 @@ impl<'a> Stepper<'a> {
         load
     }
 
+    /// Velocity and acceleration at the end of a step to `next`, by average acceleration.
+    fn rates(&self, next: &[f64], velocity: &mut [f64], acceleration: &mut [f64]) {
+        let h = self.h;
+        let before = self.displacement.iter().zip(&self.velocity).zip(&self.acceleration);
+        let after = velocity.iter_mut().zip(acceleration).zip(next);
+        for (((w, v), a), ((velocity, acceleration), next)) in before.zip(after) {
+            *velocity = 2.0 / h * (next - w) - v;
+            *acceleration = 4.0 / (h * h) * (next - w) - 4.0 / h * v - a;
+        }
+    }
+
+    /// Load minus inertia, damping and stiffness of the structure.
+    fn imbalance(&self, load: &Mat<f64>, w: &[f64], v: &[f64], a: &[f64]) -> Mat<f64> {
+        let (m, d, c) = (&self.system.mass, &self.system.damping, &self.system.stiffness);
+        let inner = |i: usize| -> f64 {
+            let motion = w.iter().zip(v).zip(a).enumerate();
+            motion.map(|(j, ((w, v), a))| m[(i, j)] * a + d[(i, j)] * v + c[(i, j)] * w).sum()
+        };
+        Mat::from_fn(w.len(), 1, |i, _| load[(i, 0)] - inner(i))
+    }
+
     /// One step; false when Newton's method finds no equilibrium.
     fn step(&mut self, step: usize) -> bool {
-        let n = self.displacement.len();
-        let h = self.h;
         let load = self.load(step);
-        let mut next: Vec<f64> = self.displacement.clone();
-        let (m, d, c) = (&self.system.mass, &self.system.damping, &self.system.stiffness);
-        let mut residual = Mat::zeros(n, 1);
-        let mut velocity = vec![0.0; n];
-        let mut acceleration = vec![0.0; n];
+        let mut next = self.displacement.clone();
+        let (mut velocity, mut acceleration) = (self.velocity.clone(), self.acceleration.clone());
         for _ in 0..MOST_ITERATIONS {
             self.iterations += 1;
-            for i in 0..n {
-                let moved = next[i] - self.displacement[i];
-                velocity[i] = 2.0 / h * moved - self.velocity[i];
-                acceleration[i] = 4.0 / (h * h) * moved - 4.0 / h * self.velocity[i] - self.acceleration[i];
-            }
-            for i in 0..n {
-                let inner: f64 = (0..n)
-                    .map(|j| m[(i, j)] * acceleration[j] + d[(i, j)] * velocity[j] + c[(i, j)] * next[j])
-                    .sum();
-                residual[(i, 0)] = load[(i, 0)] - inner;
-            }
-            let change = self.newton(&next, &velocity, &mut residual);
+            self.rates(&next, &mut velocity, &mut acceleration);
+            let residual = self.imbalance(&load, &next, &velocity, &acceleration);
+            let change = self.newton(&next, &velocity, residual);
             let mut largest_change = 0.0_f64;
             for (i, w) in next.iter_mut().enumerate() {
                 *w += change[(i, 0)];
@@ -243,15 +250,9 @@ impl<'a> Stepper<'a> {
                 self.largest = self.largest.max(w.abs());
             }
             if largest_change <= EQUILIBRIUM * self.largest {
+                self.rates(&next, &mut velocity, &mut acceleration);
                 self.accept(&next);
-                for i in 0..n {
-                    let moved = next[i] - self.displacement[i];
-                    let velocity = 2.0 / h * moved - self.velocity[i];
-                    self.acceleration[i] =
-                        4.0 / (h * h) * moved - 4.0 / h * self.velocity[i] - self.acceleration[i];
-                    self.velocity[i] = velocity;
-                }
-                self.displacement = next;
+                (self.displacement, self.velocity, self.acceleration) = (next, velocity, acceleration);
                 return true;
             }
         }
@@ -259,7 +260,7 @@ impl<'a> Stepper<'a> {
     }
 
     /// Takes the contact forces off `residual` and solves for the change of displacement.
-    fn newton(&mut self, next: &[f64], velocity: &[f64], residual: &mut Mat<f64>) -> Mat<f64> {
+    fn newton(&mut self, next: &[f64], velocity: &[f64], mut residual: Mat<f64>) -> Mat<f64> {
         let mut sticks = Vec::new();
         let mut tangents = Vec::with_capacity(self.links.len());
         for link in &self.links {
@@ -292,14 +293,14 @@ impl<'a> Stepper<'a> {
             matrix
         };
         if self.smooth {
-            return matrix(&self.links).partial_piv_lu().solve(&*residual);
+            return matrix(&self.links).partial_piv_lu().solve(&residual);
         }
         if let Some(inverse) = self.inverses.get(&sticks) {
-            return inverse * &*residual;
+            return inverse * &residual;
         }
         let n = residual.nrows();
         let inverse = matrix(&self.links).partial_piv_lu().solve(Mat::<f64>::identity(n, n));
-        let change = &inverse * &*residual;
+        let change = &inverse * &residual;
         self.inverses.insert(sticks, inverse);
         change
     }
@@ -347,5 +348,67 @@ impl Link<'_> {
             matrix[(self.first, second)] -= tangent;
             matrix[(second, self.first)] -= tangent;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use scene::Scene;
+
+    use super::*;
+    use crate::system::system;
+
+    fn r(law: &str) -> Scene {
+        let text = r#"{
+            "model": {"dofs": ["w1", "w2"], "mass": [[3.98, 0], [0, 1.27]], "damping": [[24, 0], [0, 24]],
+                      "stiffness": [[8.2e5, -4.1e5], [-4.1e5, 4.1e5]]},
+            "excitation": [{"dof": "w2", "amplitude": 9.1}],
+            "contacts": [{"name": "root", "between": ["w1", "ground"], "law": LAW}],
+            "frequencies": [75.0]}"#;
+        Scene::from_str(&text.replace("LAW", law), Path::new("")).unwrap()
+    }
+
+    fn first_harmonic(law: &str, steps: usize) -> Complex64 {
+        let settings = SteppingSettings { steps, tolerance: 1e-7, most_periods: 1000 };
+        step_until_periodic(&system(&r(law), 75.0), 75.0, &settings).unwrap().spectrum(0, 1)[1]
+    }
+
+    /// Of w1 in m, from two independent computations of the exact orbit.
+    const EXACT: Complex64 = Complex64::new(-1.540169485087242e-5, -1.2575632418826357e-5);
+
+    #[test]
+    fn steps_approach_the_exact_orbit_with_second_order() {
+        let law = r#"{"type": "elastic_coulomb", "stiffness": 6.705e6, "slip_force": 14.96556}"#;
+        let error = |steps| (first_harmonic(law, steps) / EXACT - 1.0).norm();
+        let [coarse, fine] = [error(64), error(512)];
+        assert!(fine < 2e-4, "{fine:e}");
+        let order = (coarse / fine).log2() / 3.0;
+        assert!((1.7..2.4).contains(&order), "{order}: {coarse:e} {fine:e}");
+    }
+
+    #[test]
+    fn without_friction_it_is_the_linear_response() {
+        // (C − Ω²M + iΩD) W = f̂
+        let omega = TAU * 75.0;
+        let entry = |stiffness: f64, mass: f64| {
+            Complex64::new(stiffness - omega * omega * mass, omega * if mass > 0.0 { 24.0 } else { 0.0 })
+        };
+        let (a, b, d) = (entry(8.2e5 + 1e5, 3.98), entry(-4.1e5, 0.0), entry(4.1e5, 1.27));
+        let exact = -b * 9.1 / (a * d - b * b);
+        let law = r#"{"type": "linear", "stiffness": 1e5}"#;
+        let error = (first_harmonic(law, 512) / exact - 1.0).norm();
+        assert!(error < 2e-4, "{error:e}");
+    }
+
+    #[test]
+    fn what_cannot_be_followed_says_so() {
+        let scene = r(r#"{"type": "scaled_loop", "loop": {"displacement": 8e-6, "force": 12}}"#);
+        let system = system(&scene, 75.0);
+        let settings = SteppingSettings { steps: 64, tolerance: 1e-7, most_periods: 10 };
+        let error = step_until_periodic(&system, 75.0, &settings).unwrap_err();
+        assert!(error.to_string().contains("root"), "{error}");
+        assert_eq!(step_until_periodic(&system, 0.0, &settings), Err(SteppingError::NoSteps));
     }
 }
