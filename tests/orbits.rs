@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use contact::Law;
+use contact::{Cubic, CubicParameters, Law};
 use faer::{Mat, mat};
 use num_complex::Complex64;
 use orbit::{Contact, EventKind, Load, Orbit, OrbitError, Settings, System, find};
@@ -39,7 +39,8 @@ fn scene_p(law: Arc<dyn Law>) -> System {
 }
 
 fn orbit(system: &System, hertz: f64) -> Orbit {
-    let orbit = find(system, hertz, &Settings::default()).unwrap_or_else(|error| panic!("{hertz} Hz: {error}"));
+    let orbit =
+        find(system, hertz, &Settings::default()).unwrap_or_else(|error| panic!("{hertz} Hz: {error}"));
     assert!(orbit.closure() < 1e-12, "{hertz} Hz: closure {:e}", orbit.closure());
     assert!(orbit.energy_error() < 1e-11, "{hertz} Hz: energy {:e}", orbit.energy_error());
     orbit
@@ -82,15 +83,58 @@ fn stick_slip_orbits_are_those_of_the_reference() {
         compare(&w1, "w1", 1e-10);
         compare(&orbit.spectrum(1, 511), "w2", 1e-10);
         compare(&orbit.force_spectrum(0, 511), "force", 1e-10);
-        println!("{} {} {:e} {:e}", orbit.iterations(), orbit.settled_periods(), orbit.closure(), orbit.energy_error());
+        println!(
+            "{} {} {:e} {:e}",
+            orbit.iterations(),
+            orbit.settled_periods(),
+            orbit.closure(),
+            orbit.energy_error()
+        );
         let times: Vec<f64> = orbit.events().iter().map(|event| event.time * hertz).collect();
-        let mut expected: Vec<f64> =
-            point["event_times"].as_array().unwrap().iter().map(|t| (number(t) * hertz).rem_euclid(1.0)).collect();
+        let mut expected: Vec<f64> = point["event_times"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|t| (number(t) * hertz).rem_euclid(1.0))
+            .collect();
         expected.sort_by(f64::total_cmp);
         assert_eq!(times.len(), expected.len(), "{scene} {hertz} Hz: {:?}", orbit.events());
         for (found, expected) in times.iter().zip(&expected) {
             assert!((found - expected).abs() < 1e-12, "{scene} {hertz} Hz: {found} {expected}");
         }
         assert!((orbit.dissipation(0) / number(&point["dissipation"]) - 1.0).abs() < 1e-11);
+    }
+}
+
+fn cubic(stiffness: f64) -> Arc<dyn Law> {
+    Arc::new(Cubic::new(CubicParameters { stiffness }).unwrap())
+}
+
+#[test]
+fn tmp_smooth() {
+    let system = scene_p(cubic(1e9));
+    for hertz in [30.0, 40.0, 43.0, 43.25, 50.0, 80.0, 108.0, 130.0] {
+        let t = std::time::Instant::now();
+        match find(&system, hertz, &Settings::default()) {
+            Ok(orbit) => println!(
+                "{hertz} |W1| {:e} it {} per {} closure {:e} energy {:e} {:?}",
+                orbit.spectrum(1, 5)[1].norm(), orbit.iterations(), orbit.settled_periods(), orbit.closure(), orbit.energy_error(), t.elapsed()
+            ),
+            Err(e) => println!("{hertz} {e} {:?}", t.elapsed()),
+        }
+    }
+    for v in [1e-1, 1e-2, 1e-3, 1e-4] {
+        let law: Arc<dyn Law> = Arc::new(contact::Coulomb::new(contact::CoulombParameters { slip_force: 1.0, velocity: v }).unwrap());
+        let system = scene_p(law);
+    for hertz in [30.0, 43.25, 60.0, 108.0] {
+        let t = std::time::Instant::now();
+        match find(&system, hertz, &Settings::default()) {
+            Ok(orbit) => println!(
+                "{v} {hertz} |W1| {:e} it {} per {} closure {:e} energy {:e} {:?}",
+                orbit.spectrum(0, 5)[1].norm(), orbit.iterations(), orbit.settled_periods(), orbit.closure(), orbit.energy_error(), t.elapsed()
+            ),
+            Err(e) => println!("{hertz} {e} {:?}", t.elapsed()),
+        }
+    }
     }
 }
