@@ -111,30 +111,38 @@ fn cubic(stiffness: f64) -> Arc<dyn Law> {
 }
 
 #[test]
-fn tmp_smooth() {
-    let system = scene_p(cubic(1e9));
-    for hertz in [30.0, 40.0, 43.0, 43.25, 50.0, 80.0, 108.0, 130.0] {
+fn tmp_time() {
+    let mut worst: Vec<(u128, f64, usize, usize)> = Vec::new();
+    let system = scene_r();
+    let t0 = std::time::Instant::now();
+    let mut n = 0;
+    for i in 0..371 {
+        let hertz = 15.0 + 0.5 * i as f64;
         let t = std::time::Instant::now();
         match find(&system, hertz, &Settings::default()) {
-            Ok(orbit) => println!(
-                "{hertz} |W1| {:e} it {} per {} closure {:e} energy {:e} {:?}",
-                orbit.spectrum(1, 5)[1].norm(), orbit.iterations(), orbit.settled_periods(), orbit.closure(), orbit.energy_error(), t.elapsed()
-            ),
-            Err(e) => println!("{hertz} {e} {:?}", t.elapsed()),
+            Ok(orbit) => {
+                worst.push((t.elapsed().as_micros(), hertz, orbit.iterations(), orbit.settled_periods()))
+            }
+            Err(e) => {
+                n += 1;
+                if !matches!(e, OrbitError::Stuck) {
+                    println!("{hertz} {e} {:?}", t.elapsed())
+                }
+            }
         }
     }
-    for v in [1e-1, 1e-2, 1e-3, 1e-4] {
-        let law: Arc<dyn Law> = Arc::new(contact::Coulomb::new(contact::CoulombParameters { slip_force: 1.0, velocity: v }).unwrap());
-        let system = scene_p(law);
-    for hertz in [30.0, 43.25, 60.0, 108.0] {
-        let t = std::time::Instant::now();
-        match find(&system, hertz, &Settings::default()) {
-            Ok(orbit) => println!(
-                "{v} {hertz} |W1| {:e} it {} per {} closure {:e} energy {:e} {:?}",
-                orbit.spectrum(0, 5)[1].norm(), orbit.iterations(), orbit.settled_periods(), orbit.closure(), orbit.energy_error(), t.elapsed()
-            ),
-            Err(e) => println!("{hertz} {e} {:?}", t.elapsed()),
-        }
-    }
-    }
+    println!("{n} refused, mean {:?}", t0.elapsed() / 371);
+    worst.sort_by(|a, b| b.partial_cmp(a).unwrap());
+    println!("{:?}", &worst[..10]);
+    println!("median {:?}", &worst[worst.len() / 2]);
+    let t = std::time::Instant::now();
+    let orbit = find(&system, 75.0, &Settings::default()).unwrap();
+    println!("{:?} events {}", t.elapsed(), orbit.events().len());
+    let settings = Settings { start: Some(orbit.state()), ..Settings::default() };
+    let t = std::time::Instant::now();
+    let orbit = find(&system, 75.0, &settings).unwrap();
+    println!("again {:?} {}", t.elapsed(), orbit.iterations());
+    let t = std::time::Instant::now();
+    orbit.spectrum(0, 511);
+    println!("spectrum {:?}", t.elapsed());
 }

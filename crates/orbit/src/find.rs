@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::error::OrbitError;
-use crate::orbit::{Orbit, energy_error};
+use crate::orbit::Orbit;
 use crate::path::PhaseEvent;
 use crate::piecewise::Piecewise;
 use crate::scaled::Scaled;
@@ -43,7 +43,6 @@ pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbi
     }
     Ok(Orbit {
         events: path.events.iter().filter_map(|event| physical(&system, event)).collect(),
-        energy_error: energy_error(&system, &path),
         state: closed.state,
         closure,
         iterations: closed.iterations,
