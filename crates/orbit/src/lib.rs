@@ -27,6 +27,8 @@ mod smooth;
 mod spectrum;
 mod system;
 mod tangents;
+#[cfg(test)]
+mod verification;
 
 pub use error::OrbitError;
 pub use find::find;
