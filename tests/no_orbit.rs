@@ -1,0 +1,1 @@
+//! What exact orbits refuse, and how they say it.

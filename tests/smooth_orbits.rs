@@ -1,0 +1,1 @@
+//! Exact orbits of smooth systems.
