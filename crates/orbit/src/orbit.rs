@@ -33,12 +33,13 @@ impl Orbit {
         self.closure
     }
 
-    /// |work of the loads − energy dissipated by contacts and damping| over a period, relative to the larger.
+    /// |work of the loads − energy dissipated by contacts and damping| over a period, relative to the larger, or to a
+    /// thousandth of what loads and structure exchange back and forth where hardly anything is dissipated.
     pub fn energy_error(&self) -> f64 {
-        let (supplied, viscous) = work(&self.system, &self.path);
+        let (supplied, viscous, exchanged) = work(&self.system, &self.path);
         let contacts = (0..self.system.joints.len()).map(|c| dissipation(&self.system, &self.path, c));
         let dissipated = viscous + contacts.sum::<f64>();
-        let size = supplied.abs().max(dissipated.abs());
+        let size = supplied.abs().max(dissipated.abs()).max(1e-3 * exchanged);
         if size > 0.0 { (supplied - dissipated).abs() / size } else { 0.0 }
     }
 
@@ -180,24 +181,27 @@ fn dissipation(system: &Scaled, path: &Path, contact: usize) -> f64 {
     })
 }
 
-/// Energies of a period: supplied by the loads, dissipated by viscous damping.
-fn work(system: &Scaled, path: &Path) -> (f64, f64) {
+/// Energies of a period: supplied by the loads, dissipated by viscous damping, ∮ |power of the loads|.
+fn work(system: &Scaled, path: &Path) -> (f64, f64, f64) {
     let n = system.dofs;
-    let (mut supplied, mut viscous, mut v, mut damping) = (0.0, 0.0, vec![0.0; n], vec![0.0; n]);
+    let (mut supplied, mut viscous, mut exchanged, mut v, mut damping) =
+        (0.0, 0.0, 0.0, vec![0.0; n], vec![0.0; n]);
     let rule = gauss_legendre(NODES);
     for piece in &path.pieces {
         for (s, weight) in &rule {
             let (tau, weight) = (piece.start + s * piece.length, weight * piece.length);
             piece.state(*s, 1, &mut v);
+            let mut power = 0.0;
             for load in &system.loads {
                 let turn = Complex64::cis(load.harmonic as f64 * tau);
-                let power = load.force.iter().zip(&v).map(|(force, v)| (force * turn).re * v);
-                supplied += weight * power.sum::<f64>();
+                power += load.force.iter().zip(&v).map(|(force, v)| (force * turn).re * v).sum::<f64>();
             }
+            supplied += weight * power;
+            exchanged += weight * power.abs();
             damping.fill(0.0);
             add_product(&system.damping, &v, weight, &mut damping);
             viscous += damping.iter().zip(&v).map(|(d, v)| d * v).sum::<f64>();
         }
     }
-    (supplied, viscous)
+    (supplied, viscous, exchanged)
 }

@@ -1,6 +1,8 @@
 //! Motion of a smooth system: Gauss collocation with steps chosen by the decay of the Legendre coefficients of the
 //! acceleration, and the derivative of every step.
 
+use std::f64::consts::PI;
+
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
 
@@ -13,6 +15,8 @@ use crate::shooting::{Map, Passage};
 
 /// Corrections of the accelerations in a step.
 const MOST_CORRECTIONS: usize = 12;
+/// First guess of the length of a step.
+const FIRST: f64 = 0.1;
 /// Steps below this phase are given up.
 const SHORTEST: f64 = 1e-10;
 /// Displacement in units of the quasi-static inertia response beyond which the motion counts as unbounded.
@@ -28,8 +32,6 @@ pub(crate) struct Smooth<'a> {
     v: Vec<f64>,
     /// Entry `[stage][dof]`.
     acceleration: Vec<f64>,
-    /// Length of the last step that was good enough, as the next one's first guess.
-    length: f64,
 }
 
 /// What one attempt at a step gave.
@@ -50,7 +52,6 @@ impl<'a> Smooth<'a> {
             y: vec![0.0; n],
             v: vec![0.0; n],
             acceleration: vec![0.0; STAGES * n],
-            length: 0.1,
         }
     }
 
@@ -80,10 +81,15 @@ impl<'a> Smooth<'a> {
             *derivative = Mat::identity(2 * n, 2 * n);
         }
         let mut peak = (size(&self.y), size(&self.v));
-        let (mut tau, mut length) = (0.0, self.length);
-        self.acceleration.fill(0.0);
+        let (mut tau, mut length, mut goal) = (0.0, 0.0, 0.0);
         while tau < until {
-            let step = length.min(until - tau);
+            if tau >= goal {
+                // Every half period begins alike, so that both halves of a mirrored motion have the same steps.
+                goal = if until > PI && goal < PI { PI } else { until };
+                length = FIRST;
+                self.acceleration.fill(0.0);
+            }
+            let step = length.min(goal - tau);
             let attempt = self.attempt(tau, step, &mut peak);
             let error = attempt.as_ref().map_or(f64::INFINITY, |attempt| attempt.error / self.tolerance);
             let ideal = step * (0.9 * error.powf(-1.0 / STAGES as f64)).clamp(0.25, 2.0);
@@ -110,9 +116,8 @@ impl<'a> Smooth<'a> {
             }
             // A last step cut short says nothing about the next.
             length = if step < length { length.max(ideal) } else { ideal };
-            tau = if until - tau <= step { until } else { tau + step };
+            tau = if goal - tau <= step { goal } else { tau + step };
         }
-        self.length = length;
         Ok(Passage { peak })
     }
 
