@@ -45,11 +45,12 @@ const FRAME: f64 = 250.0;
 /// More curves than this are drawn faintly, with the worst error of all in front.
 const NAMED: usize = 7;
 
-/// Errors below this are rounding.
+/// Errors below this are rounding, and drawn no lower than that.
+const ROUNDING: f64 = 1e-12;
 const LEAST: f64 = 1e-16;
 
 /// Curves that can be told apart in grey print too: by darkness, and dashes of the light ones.
-const PENS: [Pen; NAMED] = [
+pub(super) const PENS: [Pen; NAMED] = [
     pen::MAIN,
     Pen { color: "#c2410c", width: 1.3, dash: None, dot: None },
     Pen { color: "#2a7f62", width: 1.3, dash: Some("5 2.2"), dot: None },
@@ -67,6 +68,12 @@ fn draw(plot: &TruncationPlot) -> Result<String> {
         .iter()
         .map(|(name, points)| (name.clone(), points.iter().copied().map(drawn).collect()))
         .collect();
+    // Where nothing slips every number of harmonics is exact; that is no curve to look at beside others.
+    let rounding =
+        |(_, points): &(String, Points)| points.iter().all(|(_, error)| error.is_none_or(|e| e < ROUNDING));
+    if !curves.iter().all(rounding) {
+        curves.retain(|curve| !rounding(curve));
+    }
     let faint = curves.len() > NAMED;
     if faint {
         let worst = ("worst".to_owned(), worst(&curves));

@@ -3,18 +3,31 @@
 //! - [`Truths`]: the exact response of a scene where it is known, else one with far more harmonics, and the distance of
 //!   a solution from it ([`Truth::errors`]).
 //! - [`truncation()`]: error and run time against the number of harmonics.
+//! - [`Study`]: a grid over entries of a scene and numbers of harmonics; [`Partial`] keeps what is finished.
 //!
 //! The *truncation error* of a point is everywhere the same: the worst over the output dofs of the relative l2 error of
 //! the dof's displacement spectrum over all harmonics, those above N being zero in the truncated one.
 
+mod axis;
+mod cases;
 mod error;
+mod fingerprint;
+mod grid;
+mod partial;
 mod periodic;
 mod start;
 mod system;
+mod table;
 mod truncation;
 mod truth;
 
+pub use axis::Axis;
+pub use cases::{Entry, FinishedCase, Keeper, Kind, StudyOptions};
 pub use error::StudyError;
+pub use fingerprint::Fingerprint;
+pub use grid::{Case, Keep, Study};
+pub use partial::Partial;
 pub use system::system;
+pub use table::Table;
 pub use truncation::{Rate, Row, Truncation, TruncationOptions, truncation};
 pub use truth::{Errors, NoTruth, Reference, TrueDof, Truth, Truths};
