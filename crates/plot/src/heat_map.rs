@@ -95,15 +95,11 @@ fn draw(map: &HeatMap) -> Result<String> {
         width: COLUMN,
         height: TOP + FRAME + BOTTOM,
     };
+    // Three digits.
     let shown = |value: f64| {
         let place = measure.place(value).unwrap_or(value);
-        let text = format!("{place:.3}");
-        let digits = format!(
-            "{:.*}",
-            (3 - place.abs().max(1e-9).log10().floor() as i32 - 1).clamp(0, 6) as usize,
-            place
-        );
-        if place == 0.0 { text } else { digits }
+        let decimals = (2.0 - place.abs().max(1e-4).log10().floor()).clamp(0.0, 6.0);
+        format!("{place:.*}", decimals as usize)
     };
     Ok(decorated("", 1, vec![chart], &|chart, scene| {
         let cells = cells(map, &colours, chart);
@@ -119,7 +115,7 @@ fn axis(parameter: &Parameter) -> Option<Axis> {
     let mut axis = if parameter.logarithmic && values().all(|value| value > 0.0) {
         Axis::decades(parameter.label.clone(), values())?
     } else {
-        Axis::tight(parameter.label.clone(), values())?
+        Axis::counted(&parameter.label, values())?
     };
     let edges = edges(&axis, &parameter.values);
     let ends = (edges.first().copied()?, edges.last().copied()?);

@@ -42,7 +42,7 @@ fn draw(plot: &ParameterPlot) -> Result<String> {
     let x = if logarithmic {
         Axis::decades(plot.x.label.clone(), values())
     } else {
-        Axis::tight(plot.x.label.clone(), values())
+        Axis::counted(&plot.x.label, values())
     };
     let known = plot.curves.iter().flat_map(|(_, curve)| curve).filter_map(|value| *value);
     let (Some(mut x), Some(y)) = (x, Axis::measured(quantity, unit, known)) else {

@@ -59,6 +59,8 @@ pub(super) const PENS: [Pen; NAMED] = [
     Pen { color: "#b07d00", width: 1.3, dash: Some("9 3"), dot: None },
     Pen { color: "#4a86c8", width: 1.3, dash: Some("3 1.5 1 1.5"), dot: None },
 ];
+/// What is required, and how fast errors are expected to fall.
+const REQUIRED: Pen = Pen { color: "#8a8a8a", width: 1.0, dash: None, dot: None };
 const SLOPE: Pen = Pen { color: "#8a8a8a", width: 1.0, dash: Some("4 3"), dot: None };
 
 fn draw(plot: &TruncationPlot) -> Result<String> {
@@ -102,7 +104,7 @@ fn draw(plot: &TruncationPlot) -> Result<String> {
     let smallest = known().map(|(n, _)| n).fold(f64::INFINITY, f64::min);
     if let Some(required) = plot.required {
         let points = vec![(smallest, Some(required)), (largest, Some(required))];
-        lines.insert(0, (Curve { name: "", points, pen: pen::RUG }, Some("required".into())));
+        lines.insert(0, (Curve { name: "", points, pen: REQUIRED }, Some("required".into())));
     }
     let end = |curve: &Curve, name: String| {
         let (n, error) = curve.points.iter().rev().find_map(|&(n, error)| Some((n, error?)))?;
