@@ -1,8 +1,11 @@
 //! The workshop of stickslip: `cargo xtask COMMAND`.
 
 mod ci;
+mod error_vs_runtime;
+mod estimates;
 mod figures;
 mod iwan;
+mod library;
 mod loop_family;
 mod loop_series;
 mod markdown;
@@ -13,6 +16,7 @@ mod reconstruct;
 mod record_family;
 mod reference_loop;
 mod synthetic_loop;
+mod truths;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -26,6 +30,10 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   figures --check          fails when a stated number leaves its tolerance or a committed figure shows other data
   reconstruct              searches the parameters of the paper's Fig. 4 and writes scenes/hoffmann-2017*.json
   reconstruct --check      fails unless those files are what the command writes
+  error-vs-runtime         error against run time of every method on the scene library: data, figures, page (release build)
+  error-vs-runtime --draw  figures and page once more from the measured data
+  error-vs-runtime --quick fails when errors are out of order or the page is not that of its data
+  estimates [SCENE…]       what error estimates are worth on the scene library (or on scenes of such names): tables, CSV
   iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
   loop-family FILE…        the same question to measured records at several amplitudes; prints a table
@@ -48,6 +56,10 @@ fn run() -> Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["ci"] => ci::run(&root()),
+        ["error-vs-runtime"] => error_vs_runtime::run(&root()),
+        ["error-vs-runtime", "--draw"] => error_vs_runtime::draw(&root()),
+        ["error-vs-runtime", "--quick"] => error_vs_runtime::quick(&root()),
+        ["estimates", names @ ..] => estimates::run(&root(), names),
         ["iwan"] => iwan::write(&root()),
         ["iwan", "--check"] => iwan::check(&root()),
         ["loop-family", "--check"] => loop_family::check(&root()),

@@ -143,6 +143,10 @@ impl Law for ElasticCoulomb {
         Some(self.slip_displacement())
     }
 
+    fn stiffest(&self) -> Option<f64> {
+        Some(self.stiffness)
+    }
+
     fn force(
         &self,
         motion: &Motion,

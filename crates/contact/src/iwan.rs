@@ -179,6 +179,10 @@ impl Law for Iwan {
         Some(self.length)
     }
 
+    fn stiffest(&self) -> Option<f64> {
+        Some(self.backbone.slope(0.0))
+    }
+
     fn force(
         &self,
         motion: &Motion,

@@ -145,6 +145,12 @@ pub trait Law: Send + Sync + fmt::Debug {
         self.describing_function().map_or(0.0, |law| law.first_harmonic(a).force.norm() / a)
     }
 
+    /// The largest local stiffness in N/m that any motion can meet; `None` where there is no bound. Harmonics that the
+    /// structure answers much more softly than this can be found by substitution.
+    fn stiffest(&self) -> Option<f64> {
+        None
+    }
+
     /// The force `f(τ_j)` in N (rig convention), written to `force` (as long as `motion.displacement`).
     ///
     /// # Errors

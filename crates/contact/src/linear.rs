@@ -46,6 +46,10 @@ impl Law for Linear {
         None
     }
 
+    fn stiffest(&self) -> Option<f64> {
+        Some(self.stiffness)
+    }
+
     fn force(
         &self,
         motion: &Motion,

@@ -34,6 +34,9 @@ impl Homotopy {
     pub(crate) const NONE: Self = Self { contact: 1.0, excitation: 1.0, secant: 0.0 };
 }
 
+/// Up to so many harmonics the product of two spectra is faster by its definition than by transforms.
+const DIRECT: usize = 24;
+
 /// What a balance needs that does not change with frequency.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Balance<'a> {
@@ -145,10 +148,13 @@ impl Balance<'_> {
         for entry in 0..slots * width {
             let (slot, row) = (entry / width, entry % width);
             let pull: c64 = (0..width)
-                .map(|l| point.receptance[entry * width + l] * buffers.forces[slot * width + l])
+                .map(|l| {
+                    let source = slot * width + l;
+                    let force = homotopy.contact * buffers.forces[source];
+                    point.receptance[entry * width + l] * point.felt(source, force, unknowns[source])
+                })
                 .sum();
-            let r = unknowns[slot * width + row] + homotopy.contact * pull
-                - homotopy.excitation * point.free[entry];
+            let r = unknowns[slot * width + row] + pull - homotopy.excitation * point.free[entry];
             buffers.residual[entry] = r * point.weight[entry];
             sum += buffers.residual[entry].norm_sqr();
         }
@@ -168,8 +174,9 @@ impl Balance<'_> {
         let width = point.width();
         let Contact { law, scale, .. } = &self.contacts[index];
         let contact = &mut buffers.contacts[index];
+        contact.spectrum.clear();
+        contact.spectrum.resize(self.orders[..slots].last().map_or(1, |highest| highest + 1), c64::ZERO);
         contact.omega = point.omega;
-        contact.spectrum.fill(c64::ZERO);
         for (slot, &order) in self.orders.iter().enumerate().take(slots) {
             contact.spectrum[order] = unknowns[slot * width + row] * point.length[row];
         }
@@ -192,9 +199,20 @@ impl Balance<'_> {
             contact.marks = Some(events.pieces(&motion, &mut contact.law, &mut contact.events.pieces)?);
             let orders = &self.orders[..slots];
             contact.events.integrate(orders.last().copied().unwrap_or(0));
-            for slot in 0..slots {
-                buffers.forces[slot * width + row] =
-                    contact.events.force(&contact.spectrum, orders, slot) * unit;
+            if slots > DIRECT {
+                self.convolve(contact, &mut buffers.fft);
+                let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
+                for (slot, &order) in orders.iter().enumerate() {
+                    let one_sided = if order == 0 { 1.0 } else { 2.0 };
+                    let constant = contact.events.constant(order);
+                    buffers.forces[slot * width + row] =
+                        (coefficients[order] + constant) * (one_sided * unit);
+                }
+            } else {
+                for slot in 0..slots {
+                    buffers.forces[slot * width + row] =
+                        contact.events.force(&contact.spectrum, orders, slot) * unit;
+                }
             }
         } else {
             contact.marks = Some(law.force(&motion, &mut contact.law, &mut contact.force)?);
@@ -213,6 +231,18 @@ impl Balance<'_> {
             }
         }
         Ok(())
+    }
+
+    /// κ(τ) w(τ) at samples into `force`, with the spectrum of κ cut off where no harmonic of the motion is reached any
+    /// more: there are enough samples for the product, so nothing aliases.
+    fn convolve(&self, contact: &mut ContactBuffers, fft: &mut Buffers) {
+        let series = contact.events.stiffness().iter().enumerate();
+        let stiffness = series.map(|(q, k)| if q == 0 { *k } else { 2.0 * k });
+        self.transform.to_time(stiffness, &mut contact.force, fft);
+        self.transform.to_time(contact.spectrum.iter().copied(), &mut contact.displacement, fft);
+        for (force, w) in contact.force.iter_mut().zip(&contact.displacement) {
+            *force *= w;
+        }
     }
 
     /// The motion of contact `index` at the last evaluation.
@@ -287,6 +317,28 @@ impl Balance<'_> {
                 if is_complex {
                     matrix[(r + 1, r + 1)] += weight;
                 }
+                self.take_back(point, slot, row, matrix);
+            }
+        }
+    }
+
+    /// The derivative of −Ĝ Ŝ û.
+    fn take_back(&self, point: &Point, slot: usize, row: usize, matrix: &mut Mat<f64>) {
+        let width = point.width();
+        let (r, is_complex) = self.real_index(width, slot, row);
+        for column in 0..width {
+            let lent = point.lent[slot * width + column];
+            if lent == c64::ZERO {
+                continue;
+            }
+            let entry = slot * width + row;
+            let slope = point.receptance[entry * width + column] * lent * point.weight[entry];
+            let (k, _) = self.real_index(width, slot, column);
+            matrix[(r, k)] -= slope.re;
+            if is_complex {
+                matrix[(r, k + 1)] += slope.im;
+                matrix[(r + 1, k)] -= slope.im;
+                matrix[(r + 1, k + 1)] -= slope.re;
             }
         }
     }

@@ -35,13 +35,15 @@ impl Plan {
 
     /// Condenses at `hertz`, keeping the motion in the unknowns; whether the structure allows it.
     fn move_to(&self, hertz: f64, ws: &mut Workspace) -> bool {
-        let count = self.slots() * ws.point.width();
+        let slots = self.rungs[ws.goal].slots;
+        let count = slots * ws.point.width();
         let width = ws.point.width().max(1);
         for (entry, unknown) in ws.unknowns.iter_mut().enumerate().take(count) {
             *unknown *= ws.point.length[entry % width];
         }
-        let regular = self.structure.condense(hertz, &mut ws.condensed).is_ok();
-        ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
+        let regular = self.structure.condense(hertz, 0..slots, &mut ws.condensed).is_ok();
+        ws.ready = slots;
+        ws.point.set(&ws.condensed, &self.contacts, slots, &ws.held);
         for (entry, unknown) in ws.unknowns.iter_mut().enumerate().take(count) {
             *unknown /= ws.point.length[entry % width];
         }
@@ -50,7 +52,7 @@ impl Plan {
 
     /// From a solution at `hertz · factor` to `hertz` in steps that adapt to success.
     fn way_back(&self, hertz: f64, factor: f64, ws: &mut Workspace) -> Outcome {
-        let (last, slots) = (self.rungs.len() - 1, self.slots());
+        let (last, slots) = (ws.goal, self.rungs[ws.goal].slots);
         let count = slots * ws.point.width();
         if !self.move_to(hertz * factor, ws) {
             return Outcome::NONE;

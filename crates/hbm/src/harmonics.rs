@@ -11,17 +11,20 @@ pub(crate) struct Harmonics {
     pub(crate) fundamental: usize,
     /// Only odd multiples of the base frequency.
     pub(crate) odd: bool,
-    /// Multiples of the base frequency, ascending.
+    /// Multiples of the base frequency, ascending, those of an estimate included.
     pub(crate) reduced: Vec<usize>,
     /// The same as harmonics of Ω.
     pub(crate) orders: Vec<usize>,
+    /// The highest multiple of the base frequency that a solution may have.
+    pub(crate) asked: usize,
     /// Highest excited multiple of the base frequency.
     pub(crate) highest_excited: usize,
 }
 
 impl Harmonics {
-    /// The harmonics of `problem` up to `highest` · Ω. With `first_only`, an undriven mean is left out (closed form).
-    pub(crate) fn new(problem: &Problem, highest: usize, mean_is_free: bool) -> Self {
+    /// The harmonics of `problem` up to `highest` · Ω, and with `estimate` those beyond that an estimate of the truncation
+    /// error looks at. An undriven mean is left out where one harmonic is asked for and no law depends on it.
+    pub(crate) fn new(problem: &Problem, highest: usize, estimate: bool, mean_is_free: bool) -> Self {
         let excited = || problem.excitation.iter().filter(|e| e.amplitude != 0.0).map(|e| e.harmonic);
         let fundamental = match excited().fold(0, gcd) {
             0 => 1,
@@ -30,23 +33,25 @@ impl Harmonics {
         let moving = excited().any(|k| k > 0);
         let odd_laws = problem.contacts.iter().all(|c| c.law.nature().odd);
         let odd = odd_laws && moving && excited().all(|k| (k / fundamental) % 2 == 1);
-        let count = highest / fundamental;
-        let statics = excited().any(|k| k == 0) || !mean_is_free || count > 1;
+        let asked = if moving { highest / fundamental } else { 0 };
+        let room = if estimate && moving { beyond(asked) } else { asked };
+        let statics = excited().any(|k| k == 0) || !mean_is_free || asked > 1;
         let reduced: Vec<usize> = match (moving, odd) {
             (false, _) => vec![0],
-            (true, true) => (1..=count).step_by(2).collect(),
-            (true, false) => (if statics { 0 } else { 1 }..=count).collect(),
+            (true, true) => (1..=room).step_by(2).collect(),
+            (true, false) => (if statics { 0 } else { 1 }..=room).collect(),
         };
         Self {
             fundamental,
             odd,
             orders: reduced.iter().map(|k| k * fundamental).collect(),
             reduced,
+            asked,
             highest_excited: excited().max().unwrap_or(0) / fundamental,
         }
     }
 
-    /// Highest multiple of the base frequency.
+    /// Highest multiple of the base frequency, those of an estimate included.
     pub(crate) fn highest(&self) -> usize {
         self.reduced.last().copied().unwrap_or(0)
     }
@@ -55,6 +60,11 @@ impl Harmonics {
     pub(crate) fn up_to(&self, n: usize) -> usize {
         self.reduced.partition_point(|&k| k <= n)
     }
+}
+
+/// How far an estimate looks beyond `n` harmonics: as far as halves the step of a ladder.
+pub(crate) fn beyond(n: usize) -> usize {
+    (2 * n + 1).max(7)
 }
 
 fn gcd(a: usize, b: usize) -> usize {

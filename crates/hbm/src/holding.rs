@@ -8,7 +8,7 @@
 use contact::{Motion, TurningPoints};
 use faer::c64;
 
-use crate::plan::{Plan, Workspace};
+use crate::plan::{Plan, Rung, Workspace};
 use crate::solution::{Solution, Status};
 
 impl Plan {
@@ -19,11 +19,17 @@ impl Plan {
         }
         let candidates = ws.held.iter().filter(|held| **held).count();
         for _ in 0..candidates {
-            ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
+            ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
             let Some(residual) = self.solve_around_held(solution.frequency, ws) else { break };
             self.holding_forces(ws);
             let released = self.release_overloaded(ws);
             if released == 0 {
+                // Where every contact is held nothing is left out; beyond others nothing is looked at.
+                let whole = ws.point.width() == 0;
+                (ws.truncation_error, ws.sampling_error) = (None, None);
+                if whole {
+                    self.exactly(ws);
+                }
                 let held = ws.held.iter().filter(|held| **held).count();
                 let status = if held == candidates { Status::Stuck } else { Status::Converged };
                 self.report(status, residual, ws, solution);
@@ -34,16 +40,15 @@ impl Plan {
             }
         }
         ws.held.fill(false);
-        ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
+        ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
         false
     }
 
     /// The balance of the contacts that are not held; its relative residual.
     fn solve_around_held(&self, hertz: f64, ws: &mut Workspace) -> Option<f64> {
         ws.unknowns.fill(c64::ZERO);
-        let last = self.rungs.len() - 1;
-        ws.balance[last].forces.fill(c64::ZERO);
-        if ws.point.width() == 0 || ws.point.excitation_norm(self.slots()) == 0.0 {
+        ws.balance[ws.goal].forces.fill(c64::ZERO);
+        if ws.point.width() == 0 || ws.point.excitation_norm(self.rungs[ws.goal].slots) == 0.0 {
             return Some(0.0);
         }
         self.secant_start(ws);
@@ -57,11 +62,11 @@ impl Plan {
     /// Forces that keep the held contacts at rest, into `ws.holding`.
     pub(crate) fn holding_forces(&self, ws: &mut Workspace) {
         let all = self.contacts.len();
-        let last = self.rungs.len() - 1;
+        let last = ws.goal;
         ws.holding.fill(c64::ZERO);
-        for slot in 0..self.slots() {
-            let Workspace { point, condensed, balance, holding, .. } = ws;
-            point.holding_forces(condensed, slot, &balance[last].forces, |contact, force| {
+        for slot in 0..self.rungs[last].slots {
+            let Workspace { point, condensed, balance, holding, unknowns, .. } = ws;
+            point.holding_forces(condensed, slot, &balance[last].forces, unknowns, |contact, force| {
                 holding[slot * all + contact] = force;
             });
         }
@@ -86,9 +91,9 @@ impl Plan {
     /// max |f(t)| of the holding force of contact `c`, in N: the extremes of a trigonometric polynomial.
     fn peak_holding_force(&self, c: usize, ws: &mut Workspace) -> f64 {
         let all = self.contacts.len();
-        let transform = &self.rungs[self.rungs.len() - 1].transform;
+        let Rung { transform, slots, .. } = &self.rungs[ws.goal];
         let mut spectrum = vec![c64::ZERO; self.harmonics.highest() + 1];
-        for (slot, &order) in self.harmonics.reduced.iter().enumerate() {
+        for (slot, &order) in self.harmonics.reduced.iter().enumerate().take(*slots) {
             spectrum[order] = ws.holding[slot * all + c];
         }
         let mean = spectrum.first().map_or(0.0, |mean| mean.re);

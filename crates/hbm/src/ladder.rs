@@ -4,9 +4,15 @@
 use faer::c64;
 
 use crate::balance::Homotopy;
-use crate::newton::{self, Outcome, Task};
-use crate::plan::{Plan, Workspace};
-use crate::point::secant;
+use crate::newton::{self, Criteria, Outcome, Task};
+use crate::plan::{Plan, Rung, Workspace};
+use crate::point::{Point, secant};
+
+/// Up to this harmonic of the base frequency Newton's method costs no more than substitution.
+const LEAST_CORE: usize = 31;
+
+/// Relative residual to which a rung on the way is solved: beyond it its own truncation error is larger.
+const ROUGHLY: f64 = 1e-4;
 
 /// Perturbed starts tried at the end.
 const PERTURBED_STARTS: usize = 8;
@@ -26,16 +32,51 @@ impl Plan {
         homotopy: Homotopy,
         ws: &mut Workspace,
     ) -> Outcome {
-        let task = Task {
-            balance: self.balance(rung),
-            point: &ws.point,
-            slots,
-            homotopy,
-            criteria: self.criteria(),
-        };
+        let task = self.task(rung, slots, homotopy, &ws.point);
         let outcome = newton::solve(&task, &mut ws.unknowns, &mut ws.balance[rung], &mut ws.newton);
         ws.stats.iterations += outcome.iterations;
         outcome
+    }
+
+    fn task<'a>(&'a self, rung: usize, slots: usize, homotopy: Homotopy, point: &'a Point) -> Task<'a> {
+        let core = self.core(slots, point);
+        Task { balance: self.balance(rung), point, slots, core, homotopy, criteria: self.criteria() }
+    }
+
+    /// Newton's method with all harmonics of `rung`, until the residual is below `tolerance`, in a few steps.
+    pub(crate) fn iterate_roughly(
+        &self,
+        rung: usize,
+        tolerance: f64,
+        steps: usize,
+        ws: &mut Workspace,
+    ) -> Outcome {
+        let mut task = self.task(rung, self.rungs[rung].slots, Homotopy::NONE, &ws.point);
+        task.criteria = Criteria { tolerance, max_iterations: steps, polish: false, ..task.criteria };
+        let outcome = newton::solve(&task, &mut ws.unknowns, &mut ws.balance[rung], &mut ws.newton);
+        ws.stats.iterations += outcome.iterations;
+        outcome
+    }
+
+    /// The step that Newton's method with the samples of `rung` would make, into `kept`; whether there is one.
+    pub(crate) fn correction(&self, rung: usize, slots: usize, ws: &mut Workspace) -> bool {
+        let task = self.task(rung, slots, Homotopy::NONE, &ws.point);
+        let Workspace { unknowns, kept, balance, newton, .. } = ws;
+        newton::correction(&task, unknowns, kept, &mut balance[rung], newton)
+    }
+
+    /// How many of the first `slots` harmonics need Newton's method.
+    pub(crate) fn core(&self, slots: usize, point: &Point) -> usize {
+        if !self.settings.slaving {
+            return slots;
+        }
+        let enough = |rung: &&Rung| rung.slots >= point.contracting && rung.order >= self.least_core();
+        self.rungs.iter().find(enough).map_or(slots, |rung| rung.slots.min(slots))
+    }
+
+    /// Fewer harmonics than these are not worth a tail.
+    pub(crate) fn least_core(&self) -> usize {
+        LEAST_CORE.max(self.harmonics.highest_excited)
     }
 
     /// What is tried when the ladder failed, in turn, until one solves the balance with all harmonics.
@@ -68,13 +109,23 @@ impl Plan {
             0 => 0,
             _ => self.rungs[from - 1].slots,
         };
-        let mut outcome = Outcome { converged: from >= self.rungs.len(), residual: 0.0, ..Outcome::NONE };
-        for (index, rung) in self.rungs.iter().enumerate().skip(from) {
+        let goal = ws.goal;
+        let core = self.core(self.rungs[goal].slots, &ws.point);
+        let mut outcome = Outcome { converged: from > goal, residual: 0.0, ..Outcome::NONE };
+        for (index, rung) in self.rungs.iter().enumerate().take(goal + 1).skip(from) {
+            // Between the harmonics that need Newton's method and all of them there is nothing to climb.
+            if rung.slots > core && index < goal && reached >= core {
+                continue;
+            }
             ws.stats.rungs += 1;
             let count = reached * width;
             ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
             self.extend(index, reached, rung.slots, ws);
-            outcome = self.iterate(index, rung.slots, Homotopy::NONE, ws);
+            outcome = if index < goal {
+                self.iterate_roughly(index, ROUGHLY, self.settings.max_iterations, ws)
+            } else {
+                self.iterate(index, rung.slots, Homotopy::NONE, ws)
+            };
             if outcome.converged {
                 reached = rung.slots;
                 continue;
@@ -99,7 +150,7 @@ impl Plan {
     }
 
     /// Adds harmonics `from..to` to the unknowns, each as the response to the force harmonic of the motion so far.
-    fn extend(&self, rung: usize, from: usize, to: usize, ws: &mut Workspace) {
+    pub(crate) fn extend(&self, rung: usize, from: usize, to: usize, ws: &mut Workspace) {
         let width = ws.point.width();
         if from == 0 || from >= to {
             return;
@@ -155,7 +206,8 @@ impl Plan {
                 for row in 0..width {
                     let g = ws.point.receptance[(slot * width + row) * width + column];
                     let unit = if row == column { c64::ONE } else { c64::ZERO };
-                    ws.linear.matrix[(row, column)] = unit + g * stiffness;
+                    ws.linear.matrix[(row, column)] =
+                        unit + g * (stiffness - ws.point.lent[slot * width + column]);
                 }
             }
             for row in 0..width {
@@ -175,14 +227,14 @@ impl Plan {
         self.secant_start(ws);
         let count = self.rungs[0].slots * ws.point.width();
         ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
-        self.solve_linearised(self.slots(), self.first_slot().unwrap_or(0), ws);
+        self.solve_linearised(self.rungs[ws.goal].slots, self.first_slot().unwrap_or(0), ws);
         self.follow(0.0, 1.0, 0.1, |s| Homotopy { secant: 1.0 - s, ..Homotopy::NONE }, ws)
     }
 
     /// From the structure without contacts (μ = 0) to the problem (μ = 1), with all harmonics.
     fn contact_homotopy(&self, ws: &mut Workspace) -> Outcome {
         ws.stats.contact_homotopies += 1;
-        let count = self.slots() * ws.point.width();
+        let count = self.rungs[ws.goal].slots * ws.point.width();
         ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
         // Equal steps in √μ: contacts are felt early.
         self.follow(0.0, 1.0, 0.1, |s| Homotopy { contact: s * s, ..Homotopy::NONE }, ws)
@@ -191,7 +243,7 @@ impl Plan {
     /// From an excitation so large that friction hardly matters down to the problem's own.
     fn excitation_homotopy(&self, ws: &mut Workspace) -> Outcome {
         ws.stats.excitation_homotopies += 1;
-        let count = self.slots() * ws.point.width();
+        let count = self.rungs[ws.goal].slots * ws.point.width();
         for entry in 0..count {
             ws.unknowns[entry] = ws.point.free[entry] * LARGE_EXCITATION;
         }
@@ -209,8 +261,8 @@ impl Plan {
         homotopy: impl Fn(f64) -> Homotopy,
         ws: &mut Workspace,
     ) -> Outcome {
-        let last = self.rungs.len() - 1;
-        let slots = self.slots();
+        let last = ws.goal;
+        let slots = self.rungs[last].slots;
         let count = slots * ws.point.width();
         let mut reached = start;
         let mut step = step;
@@ -239,8 +291,9 @@ impl Plan {
 
     /// The free response scaled and turned at random, from a fixed seed.
     fn perturbed_starts(&self, ws: &mut Workspace) -> Outcome {
-        let count = self.slots() * ws.point.width();
-        let last = self.rungs.len() - 1;
+        let count = self.rungs[ws.goal].slots * ws.point.width();
+        let last = ws.goal;
+        let slots = self.rungs[last].slots;
         let mut random = SplitMix(0x5711_c451_1b00_57e4);
         let mut best = Outcome::NONE;
         for _ in 0..PERTURBED_STARTS {
@@ -255,8 +308,8 @@ impl Plan {
             if outcome.converged {
                 outcome = self.climb(1, ws);
             }
-            if !outcome.converged && first == self.slots() {
-                outcome = self.iterate(last, self.slots(), Homotopy::NONE, ws);
+            if !outcome.converged && first == slots {
+                outcome = self.iterate(last, slots, Homotopy::NONE, ws);
             }
             if outcome.converged {
                 return outcome;
@@ -335,7 +388,7 @@ mod tests {
             ("detour", |plan, ws| plan.detour(57.0, ws)),
         ];
         for (name, fallback) in fallbacks {
-            plan.structure.condense(57.0, &mut ws.condensed).unwrap();
+            plan.structure.condense(57.0, 0..plan.slots(), &mut ws.condensed).unwrap();
             ws.point.set(&ws.condensed, &plan.contacts, plan.slots(), &[false]);
             ws.unknowns.fill(c64::ZERO);
             let outcome = fallback(&plan, &mut ws);

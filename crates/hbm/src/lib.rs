@@ -13,6 +13,7 @@ mod balance;
 mod dense;
 mod detour;
 mod error;
+mod estimate;
 mod harmonics;
 mod holding;
 mod ladder;

@@ -1,4 +1,8 @@
 //! Damped Newton iteration on the balance, with a line search and a stop that looks at the rate.
+//!
+//! High harmonics to which the structure hardly answers need no derivative: beyond the *core* the map
+//! `û_k ↦ û⁰_k − Ĝ_k F̂_k(û)` contracts, and each pass replaces them by it (the slaved tail). While passes converge fast
+//! the core keeps its factored derivative, so that a pass costs one evaluation.
 
 use contact::LawError;
 use faer::{Mat, c64};
@@ -15,6 +19,8 @@ pub(crate) struct Criteria {
     pub(crate) tolerance: f64,
     pub(crate) max_iterations: usize,
     pub(crate) jacobian: Jacobian,
+    /// Go on until the last step was short, so that its square is lost in rounding.
+    pub(crate) polish: bool,
 }
 
 /// Relative residual that is accepted where rounding allows no further descent.
@@ -22,6 +28,9 @@ const FLOOR: f64 = 1e-9;
 
 /// A last step of this relative length leaves an error of its square: no further step is needed.
 const SHORT_STEP: f64 = 1e-6;
+
+/// While a step leaves less than this of the residual, the next one uses the same derivative where there is a tail.
+const FAST: f64 = 0.15;
 
 /// Shortest step of the line search.
 const SHORTEST: f64 = 1.0 / 1024.0;
@@ -50,8 +59,11 @@ impl Outcome {
 #[derive(Debug)]
 pub(crate) struct NewtonBuffers {
     lu: Lu<f64>,
+    /// Of the core, in its real unknowns.
     step: Mat<f64>,
     correction: Mat<f64>,
+    /// Of the tail, entry `[slot][i]` beyond the core.
+    tail_step: Vec<c64>,
     trial: Vec<c64>,
     /// Relative residuals of the last iteration.
     pub(crate) history: Vec<f64>,
@@ -65,9 +77,21 @@ impl NewtonBuffers {
             lu: Lu::new(size, 1),
             step: Mat::zeros(size, 1),
             correction: Mat::zeros(size, 1),
+            tail_step: vec![c64::ZERO; entries],
             trial: vec![c64::ZERO; entries],
             history: Vec::with_capacity(128),
         }
+    }
+
+    /// Entry `[slot][i]` of the step.
+    #[inline]
+    fn entry(&self, task: &Task, entry: usize) -> c64 {
+        let width = task.point.width();
+        if entry >= task.core * width {
+            return self.tail_step[entry];
+        }
+        let (r, is_complex) = task.balance.real_index(width, entry / width, entry % width);
+        c64::new(self.step[(r, 0)], if is_complex { self.step[(r + 1, 0)] } else { 0.0 })
     }
 }
 
@@ -76,8 +100,21 @@ pub(crate) struct Task<'a> {
     pub(crate) balance: Balance<'a>,
     pub(crate) point: &'a Point,
     pub(crate) slots: usize,
+    /// The first harmonics, which are solved by Newton's method; the others follow by substitution.
+    pub(crate) core: usize,
     pub(crate) homotopy: Homotopy,
     pub(crate) criteria: Criteria,
+}
+
+impl Task<'_> {
+    fn has_tail(&self) -> bool {
+        self.core < self.slots
+    }
+
+    /// Real unknowns of the core.
+    fn size(&self) -> usize {
+        self.balance.size(self.point.width(), self.core)
+    }
 }
 
 /// Improves `unknowns` until the residual, relative to the excitation, is below the tolerance. On failure `unknowns`
@@ -88,7 +125,7 @@ pub(crate) fn solve(
     buffers: &mut BalanceBuffers,
     newton: &mut NewtonBuffers,
 ) -> Outcome {
-    let Task { balance, point, slots, homotopy, criteria } = task;
+    let Task { balance, point, slots, homotopy, criteria, .. } = task;
     let count = slots * point.width();
     let reference = point.excitation_norm(*slots) * homotopy.excitation;
     let relative = |norm: f64| if reference > 0.0 { norm / reference } else { norm };
@@ -107,23 +144,25 @@ pub(crate) fn solve(
     newton.history.push(relative(norm));
     let mut law_error = None;
     let mut last_step = f64::INFINITY;
+    let mut factored = false;
     for iteration in 0..criteria.max_iterations {
         let residual = relative(norm);
         let done = residual <= criteria.tolerance;
-        if done && last_step <= SHORT_STEP {
+        // A tail converges at a steady rate: its residual is its error.
+        if done && (last_step <= SHORT_STEP || task.has_tail() || !criteria.polish) {
             return Outcome { converged: true, iterations: iteration, residual, law_error: None };
         }
         if !done && hopeless(&newton.history, criteria, iteration) {
             return Outcome { converged: false, iterations: iteration, residual, law_error };
         }
-        let length = newton_step(task, unknowns, buffers, newton);
+        let length = newton_step(task, factored, unknowns, buffers, newton);
         if !length.is_finite() {
             break;
         }
         let scale: f64 = unknowns.iter().take(count).map(|u| u.norm_sqr()).sum::<f64>().sqrt();
         let mut lambda = 1.0;
         let accepted = loop {
-            apply_step(balance, point, *slots, unknowns, newton, lambda);
+            apply_step(task, unknowns, newton, lambda);
             match balance.evaluate(point, *slots, *homotopy, &newton.trial, buffers) {
                 Ok(trial) if trial <= (1.0 - 1e-4 * lambda) * norm => break Some(trial),
                 Ok(trial) if !done && closer(task, buffers, newton, length, lambda) => break Some(trial),
@@ -143,6 +182,7 @@ pub(crate) fn solve(
             return Outcome { converged, iterations: iteration + 1, residual, law_error };
         };
         unknowns[..count].copy_from_slice(&newton.trial[..count]);
+        factored = task.has_tail() && lambda == 1.0 && next <= FAST * norm;
         norm = next;
         last_step = if lambda == 1.0 { length / scale } else { f64::INFINITY };
         newton.history.push(relative(norm));
@@ -156,6 +196,25 @@ pub(crate) fn solve(
     }
 }
 
+/// Writes the Newton step from `unknowns` into `steps`; `false` when there is none.
+pub(crate) fn correction(
+    task: &Task,
+    unknowns: &mut [c64],
+    steps: &mut [c64],
+    buffers: &mut BalanceBuffers,
+    newton: &mut NewtonBuffers,
+) -> bool {
+    let Task { balance, point, slots, homotopy, .. } = task;
+    if balance.evaluate(point, *slots, *homotopy, unknowns, buffers).is_err() {
+        return false;
+    }
+    let length = newton_step(task, false, unknowns, buffers, newton);
+    for (entry, step) in steps.iter_mut().enumerate().take(slots * point.width()) {
+        *step = newton.entry(task, entry);
+    }
+    length.is_finite()
+}
+
 /// Whether the rate of the last steps cannot reach the tolerance in the steps that are left.
 fn hopeless(history: &[f64], criteria: &Criteria, iteration: usize) -> bool {
     let (Some(&now), Some(&before)) = (history.last(), history.iter().rev().nth(RATE_WINDOW)) else {
@@ -167,24 +226,27 @@ fn hopeless(history: &[f64], criteria: &Criteria, iteration: usize) -> bool {
     rate > 0.9 && now > 1e-4 && now * rate.powf(left) > criteria.tolerance
 }
 
-/// Solves for the Newton step, leaves it in `newton.step` and returns its norm.
+/// Solves for the step, leaves it in `newton` and returns its norm. With `factored` the derivative of the step before is
+/// used again.
 fn newton_step(
     task: &Task,
+    factored: bool,
     unknowns: &mut [c64],
     buffers: &mut BalanceBuffers,
     newton: &mut NewtonBuffers,
 ) -> f64 {
-    let Task { balance, point, slots, homotopy, criteria } = task;
-    let width = point.width();
-    let size = balance.size(width, *slots);
-    load_residual(task, buffers, &mut newton.step);
-    match criteria.jacobian {
-        Jacobian::Analytic => balance.jacobian(point, *slots, *homotopy, buffers, &mut newton.lu.matrix),
-        Jacobian::Difference => difference_jacobian(task, unknowns, buffers, newton),
+    let Task { balance, point, core, homotopy, criteria, .. } = task;
+    let size = task.size();
+    let tail = load_residual(task, buffers, &mut newton.step, Some(&mut newton.tail_step));
+    if !factored {
+        match criteria.jacobian {
+            Jacobian::Analytic => balance.jacobian(point, *core, *homotopy, buffers, &mut newton.lu.matrix),
+            Jacobian::Difference => difference_jacobian(task, unknowns, buffers, newton),
+        }
+        newton.lu.factor(size);
     }
-    newton.lu.factor(size);
     newton.lu.solve(newton.step.as_mut().subrows_mut(0, size));
-    (0..size).map(|r| newton.step[(r, 0)].powi(2)).sum::<f64>().sqrt()
+    ((0..size).map(|r| newton.step[(r, 0)].powi(2)).sum::<f64>() + tail).sqrt()
 }
 
 /// The natural test of Deuflhard, invariant to how residuals are scaled: the Newton correction that the old derivative
@@ -196,41 +258,45 @@ fn closer(
     length: f64,
     lambda: f64,
 ) -> bool {
-    let Task { balance, point, slots, .. } = task;
-    let size = balance.size(point.width(), *slots);
-    load_residual(task, buffers, &mut newton.correction);
+    let size = task.size();
+    let tail = load_residual(task, buffers, &mut newton.correction, None);
     newton.lu.solve(newton.correction.as_mut().subrows_mut(0, size));
-    let correction = (0..size).map(|r| newton.correction[(r, 0)].powi(2)).sum::<f64>().sqrt();
-    correction <= (1.0 - 0.25 * lambda) * length
+    let core: f64 = (0..size).map(|r| newton.correction[(r, 0)].powi(2)).sum();
+    (core + tail).sqrt() <= (1.0 - 0.25 * lambda) * length
 }
 
-/// Writes the residual into a column of real unknowns.
-fn load_residual(task: &Task, buffers: &BalanceBuffers, column: &mut Mat<f64>) {
-    let Task { balance, point, slots, .. } = task;
+/// Writes the residual of the core into a column of real unknowns, and what substitution changes in the tail into
+/// `tail_step`; returns the squared norm of the latter.
+fn load_residual(
+    task: &Task,
+    buffers: &BalanceBuffers,
+    column: &mut Mat<f64>,
+    mut tail_step: Option<&mut Vec<c64>>,
+) -> f64 {
+    let Task { balance, point, slots, core, .. } = task;
     let width = point.width();
-    for (entry, residual) in buffers.residual.iter().enumerate().take(slots * width) {
+    for (entry, residual) in buffers.residual.iter().enumerate().take(core * width) {
         let (r, is_complex) = balance.real_index(width, entry / width, entry % width);
         column[(r, 0)] = residual.re;
         if is_complex {
             column[(r + 1, 0)] = residual.im;
         }
     }
+    let mut sum = 0.0;
+    for entry in core * width..slots * width {
+        let step = buffers.residual[entry] / point.weight[entry];
+        sum += step.norm_sqr();
+        if let Some(tail) = tail_step.as_deref_mut() {
+            tail[entry] = step;
+        }
+    }
+    sum
 }
 
 /// `trial = unknowns − λ · step`.
-fn apply_step(
-    balance: &Balance,
-    point: &Point,
-    slots: usize,
-    unknowns: &[c64],
-    newton: &mut NewtonBuffers,
-    lambda: f64,
-) {
-    let width = point.width();
-    for (entry, (trial, unknown)) in newton.trial.iter_mut().zip(unknowns).enumerate().take(slots * width) {
-        let (r, is_complex) = balance.real_index(width, entry / width, entry % width);
-        let im = if is_complex { newton.step[(r + 1, 0)] } else { 0.0 };
-        *trial = unknown - lambda * c64::new(newton.step[(r, 0)], im);
+fn apply_step(task: &Task, unknowns: &[c64], newton: &mut NewtonBuffers, lambda: f64) {
+    for (entry, unknown) in unknowns.iter().enumerate().take(task.slots * task.point.width()) {
+        newton.trial[entry] = unknown - lambda * newton.entry(task, entry);
     }
 }
 
@@ -241,9 +307,9 @@ fn difference_jacobian(
     buffers: &mut BalanceBuffers,
     newton: &mut NewtonBuffers,
 ) {
-    let Task { balance, point, slots, homotopy, .. } = task;
+    let Task { balance, point, slots, core, homotopy, .. } = task;
     let width = point.width();
-    let count = slots * width;
+    let count = core * width;
     let scale = unknowns.iter().take(count).map(|u| u.norm()).fold(0.0, f64::max);
     let h = 1e-7 * if scale > 0.0 { scale } else { 1.0 };
     for entry in 0..count {

@@ -49,6 +49,11 @@ impl PieceSeries {
         &self.stiffness
     }
 
+    /// C_q in N.
+    pub(crate) fn constant(&self, order: usize) -> c64 {
+        self.constant.get(order).copied().unwrap_or(c64::ZERO)
+    }
+
     /// F_p in N for p = `orders[slot]`, of the motion with spectrum W (index: order).
     pub(crate) fn force(&self, spectrum: &[c64], orders: &[usize], slot: usize) -> c64 {
         let p = orders[slot];

@@ -36,6 +36,10 @@ pub struct PlanFacts {
     pub sampled_on_request: bool,
     /// Harmonics of Ω up to which each rung of the ladder goes, the last being N.
     pub ladder: Vec<usize>,
+    /// Harmonics of Ω that Newton's method solves for at least; a slaved tail may follow. `None` where there is none.
+    pub tail_after: Option<usize>,
+    /// No contact can become stiffer than a known number, so it is known which harmonics can be slaved.
+    pub bounded_stiffness: bool,
     /// Dofs that carry no contact and are condensed away.
     pub condensed_dofs: usize,
     /// Real unknowns of the iteration.
@@ -45,6 +49,8 @@ pub struct PlanFacts {
 /// One rung of the ladder in N.
 #[derive(Debug)]
 pub(crate) struct Rung {
+    /// Highest harmonic as a multiple of the base frequency.
+    pub(crate) order: usize,
     /// Unknown harmonics of this rung: the first `slots` of the plan's.
     pub(crate) slots: usize,
     pub(crate) transform: Transform,
@@ -56,7 +62,10 @@ pub struct Plan {
     pub(crate) contacts: Vec<Contact>,
     pub(crate) harmonics: Harmonics,
     pub(crate) structure: Structure,
+    /// Ascending; beyond the one of N there may be another for estimates.
     pub(crate) rungs: Vec<Rung>,
+    /// The rung of N.
+    pub(crate) top: usize,
     pub(crate) settings: Settings,
     pub(crate) linear: bool,
     /// Piecewise linear laws are evaluated by their events.
@@ -69,6 +78,10 @@ pub struct Plan {
 /// Buffers for one thread.
 #[derive(Debug)]
 pub struct Workspace {
+    /// The rung whose balance is to be solved.
+    pub(crate) goal: usize,
+    /// Harmonics condensed so far at this frequency.
+    pub(crate) ready: usize,
     pub(crate) condensed: Condensed,
     pub(crate) point: Point,
     /// One a rung.
@@ -81,6 +94,15 @@ pub struct Workspace {
     /// Displacement harmonics in m of the previous point of a march, and whether there is one.
     pub(crate) previous: Vec<c64>,
     pub(crate) has_previous: bool,
+    /// The solution while an estimate looks beyond it.
+    pub(crate) solved: Vec<c64>,
+    /// Output displacements of a solution, and of the one beyond it.
+    pub(crate) outputs: (Vec<c64>, Vec<c64>),
+    /// The residuals of a solution while an estimate iterates.
+    pub(crate) history: Vec<f64>,
+    /// Estimates for the solution at hand.
+    pub(crate) truncation_error: Option<f64>,
+    pub(crate) sampling_error: Option<f64>,
     pub(crate) roots: Vec<f64>,
     pub(crate) held: Vec<bool>,
     /// Holding forces in N, entry `[slot][contact]`.
@@ -91,6 +113,9 @@ pub struct Workspace {
     pub(crate) turning_points: TurningPoints,
     pub(crate) stats: Stats,
 }
+
+/// From so many harmonics on the velocity is looked at more coarsely: high harmonics hardly move its zeros.
+const LONG: usize = 63;
 
 /// The most harmonics a plan accepts.
 const MOST_HARMONICS: usize = 4095;
@@ -106,7 +131,8 @@ impl Plan {
         let contacts = problem.contacts.clone();
         let nature = |c: &Contact| c.law.nature();
         let mean_is_free = contacts.iter().all(|c| !nature(c).determines_mean);
-        let harmonics = Harmonics::new(problem, settings.harmonics, mean_is_free);
+        let estimating = settings.estimate || settings.truncation.is_some();
+        let harmonics = Harmonics::new(problem, settings.harmonics, estimating, mean_is_free);
         let linear = contacts.iter().all(|c| nature(c).linear);
         let static_load = problem.excitation.iter().any(|e| e.harmonic == 0 && e.amplitude != 0.0);
         let scalar_start = match contacts.as_slice() {
@@ -118,28 +144,33 @@ impl Plan {
             }
             _ => false,
         } && !linear;
-        let scalar = scalar_start && harmonics.highest() == 1 && settings.start == Start::Ladder;
+        let scalar = scalar_start && harmonics.asked == 1 && settings.start == Start::Ladder;
         // Asking for a number of samples asks for samples.
         let exact = settings.samples.is_none();
-        let rungs = ladder(&harmonics)
-            .into_iter()
-            .map(|n| {
-                let needed = |c: &Contact| match c.law.piecewise_linear().filter(|_| exact) {
-                    // Only to see between which samples the velocity changes sign.
-                    Some(_) => 8 * (n + 1),
-                    None => c.law.samples(n),
-                };
-                let asked = contacts.iter().map(needed).max().unwrap_or(0);
-                let samples = settings.samples.unwrap_or(asked).max(4 * (n + 1)).next_power_of_two();
-                Rung { slots: harmonics.up_to(n), transform: Transform::new(samples) }
-            })
-            .collect();
+        let needed = |c: &Contact, n: usize| match c.law.piecewise_linear().filter(|_| exact) {
+            // Only to see between which samples the velocity changes sign, and to multiply two spectra.
+            Some(_) => (if n < LONG { 8 } else { 4 }) * (n + 1),
+            None => c.law.samples(n),
+        };
+        let rung = |n: usize, least: usize| {
+            let asked = contacts.iter().map(|c| needed(c, n)).max().unwrap_or(0);
+            let samples = settings.samples.unwrap_or(asked).max(4 * (n + 1)).max(least).next_power_of_two();
+            Rung { order: n, slots: harmonics.up_to(n), transform: Transform::new(samples) }
+        };
+        let mut rungs: Vec<Rung> = ladder(&harmonics).into_iter().map(|n| rung(n, 0)).collect();
+        let top = rungs.len() - 1;
+        if estimating && harmonics.highest() > harmonics.asked {
+            // Twice the samples as well: what an estimate compares with must err less in every respect.
+            let least = rungs.last().map_or(0, |rung| 2 * rung.transform.samples());
+            rungs.push(rung(harmonics.highest(), if sampled(&contacts, exact) { least } else { 0 }));
+        }
         let carrying: std::collections::BTreeSet<usize> =
             contacts.iter().flat_map(|c| [Some(c.first), c.second]).flatten().collect();
         Ok(Self {
             structure: Structure::new(problem, &harmonics),
             harmonics,
             rungs,
+            top,
             settings: settings.clone(),
             linear,
             exact,
@@ -153,7 +184,7 @@ impl Plan {
     /// Harmonics of Ω that are not identically zero, ascending; columns of every spectrum in a
     /// [`crate::Solution`].
     pub fn orders(&self) -> &[usize] {
-        &self.harmonics.orders
+        self.harmonics.orders.get(..self.slots()).unwrap_or_default()
     }
 
     /// What the plan uses and what it leaves out.
@@ -162,7 +193,8 @@ impl Plan {
         let by_events = |c: &&Contact| iterated && self.exact && c.law.piecewise_linear().is_some();
         let event_exact = self.contacts.iter().filter(by_events).count();
         let sampled = iterated && event_exact < self.contacts.len();
-        let last = self.rungs.last();
+        let bounded = self.contacts.iter().all(|c| c.law.stiffest().is_some());
+        let last = self.rungs.get(self.top);
         PlanFacts {
             fundamental: self.harmonics.fundamental,
             odd: self.harmonics.odd,
@@ -175,16 +207,37 @@ impl Plan {
             ladder: self
                 .rungs
                 .iter()
+                .take(self.top + 1)
                 .filter_map(|rung| self.harmonics.orders.get(rung.slots.checked_sub(1)?).copied())
                 .collect(),
+            tail_after: self
+                .rungs
+                .iter()
+                .find(|rung| rung.order >= self.least_core())
+                .filter(|rung| iterated && bounded && self.settings.slaving && rung.slots < self.slots())
+                .map(|rung| rung.order * self.harmonics.fundamental),
+            bounded_stiffness: bounded,
             condensed_dofs: self.condensed_dofs,
-            unknowns: self.balance(self.rungs.len() - 1).size(self.contacts.len(), self.slots()),
+            unknowns: self.balance(self.top).size(self.contacts.len(), self.slots()),
         }
     }
 
-    /// Number of harmonics in the unknowns.
+    /// Number of harmonics that a solution may have.
     pub(crate) fn slots(&self) -> usize {
-        self.harmonics.reduced.len()
+        self.rungs.get(self.top).map_or(0, |rung| rung.slots)
+    }
+
+    /// N of a solution of rung `rung`, in harmonics of Ω.
+    pub(crate) fn harmonics_of(&self, rung: usize) -> usize {
+        if rung == self.top {
+            return self.settings.harmonics;
+        }
+        self.rungs.get(rung).map_or(0, |rung| rung.order * self.harmonics.fundamental)
+    }
+
+    /// Whether some contact force is evaluated at samples.
+    pub(crate) fn has_samples(&self) -> bool {
+        sampled(&self.contacts, self.exact)
     }
 
     /// The slot of the base frequency itself.
@@ -207,15 +260,18 @@ impl Plan {
             tolerance: self.settings.tolerance,
             max_iterations: self.settings.max_iterations,
             jacobian: self.settings.jacobian,
+            polish: true,
         }
     }
 
     /// Buffers for one thread.
     pub fn workspace(&self) -> Workspace {
-        let (contacts, slots) = (self.contacts.len(), self.slots());
+        let (contacts, slots) = (self.contacts.len(), self.harmonics.reduced.len());
         let entries = contacts * slots;
         let buffers = (0..self.rungs.len()).map(|rung| self.balance(rung).buffers()).collect();
         Workspace {
+            goal: self.top,
+            ready: 0,
             condensed: self.structure.condensed(),
             point: Point::new(contacts, slots),
             balance: buffers,
@@ -224,6 +280,11 @@ impl Plan {
             kept: vec![c64::ZERO; entries],
             previous: vec![c64::ZERO; entries],
             has_previous: false,
+            solved: vec![c64::ZERO; entries],
+            outputs: (Vec::new(), Vec::new()),
+            history: Vec::new(),
+            truncation_error: None,
+            sampling_error: None,
             roots: Vec::with_capacity(8),
             held: vec![false; contacts],
             holding: vec![c64::ZERO; entries],
@@ -235,9 +296,14 @@ impl Plan {
     }
 }
 
+/// Whether some contact force is evaluated at samples.
+fn sampled(contacts: &[Contact], exact: bool) -> bool {
+    contacts.iter().any(|c| !exact || c.law.piecewise_linear().is_none())
+}
+
 /// Rungs in multiples of the base frequency: 1, 3, 7, 15, … below the highest, from the highest excited one on.
 fn ladder(harmonics: &Harmonics) -> Vec<usize> {
-    let highest = harmonics.highest();
+    let highest = harmonics.asked;
     let lowest = harmonics.highest_excited.max(1);
     let below = (1..usize::BITS).map(|b| (1_usize << b) - 1).take_while(|n| *n < highest);
     below.filter(|n| *n >= lowest).chain([highest]).collect()

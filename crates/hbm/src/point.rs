@@ -1,11 +1,15 @@
 //! The balance at one frequency without dimensions: displacements in each law's own length, forces in its own force.
 //!
 //! ```text
-//! r_k = (û_k + μ Ĝ_k F̂_k(û) − η û⁰_k) / (1 + |Ĝ_k|) = 0
+//! r_k = (û_k + Ĝ_k (μ F̂_k(û) − Ŝ_k û_k) − η û⁰_k) / (1 + |Ĝ_k|) = 0
 //! ```
+//!
+//! Ŝ is zero but where the structure is singular (see `structure`).
 //!
 //! The row factor 1/(1 + |Ĝ|) makes the residual a displacement where the contact is soft against the structure and a
 //! force where it is stiff, so that neither loses digits and nothing is divided by a receptance that may vanish.
+
+use std::ops::Range;
 
 use contact::Law;
 use faer::{Mat, c64};
@@ -23,6 +27,8 @@ pub(crate) struct Point {
     pub(crate) receptance: Vec<c64>,
     /// û⁰, entry `[slot][i]`.
     pub(crate) free: Vec<c64>,
+    /// Ŝ, springs lent to the structure, entry `[slot][i]`; zero nearly always.
+    pub(crate) lent: Vec<c64>,
     /// 1/(1 + |Ĝ_ii|), entry `[slot][i]`.
     pub(crate) weight: Vec<f64>,
     /// Unit of displacement in m, one an active contact.
@@ -31,10 +37,18 @@ pub(crate) struct Point {
     pub(crate) force: Vec<f64>,
     /// Dimensionless secant stiffness of every active contact, for homotopies that begin with a linear problem.
     pub(crate) secant: Vec<c64>,
+    /// From this slot on, all set so far contract under substitution.
+    pub(crate) contracting: usize,
+    /// Largest dimensionless stiffness, one an active contact.
+    stiffest: Vec<f64>,
     /// Base angular frequency in rad/s.
     pub(crate) omega: f64,
     held: Held,
 }
+
+/// Substitution into a harmonic counts as contracting when it shrinks an error at least by this factor, whatever the
+/// motion.
+const CONTRACTION: f64 = 0.05;
 
 /// What is needed to keep some contacts at rest.
 #[derive(Debug)]
@@ -50,10 +64,13 @@ impl Point {
             active: Vec::with_capacity(contacts),
             receptance: vec![c64::ZERO; slots * contacts * contacts],
             free: vec![c64::ZERO; slots * contacts],
+            lent: vec![c64::ZERO; slots * contacts],
             weight: vec![1.0; slots * contacts],
             length: vec![1.0; contacts],
             force: vec![1.0; contacts],
             secant: vec![c64::ZERO; contacts],
+            contracting: 0,
+            stiffest: vec![f64::INFINITY; contacts],
             omega: 0.0,
             held: Held {
                 contacts: Vec::with_capacity(contacts),
@@ -87,7 +104,17 @@ impl Point {
         for slot in 0..slots {
             self.reduce(condensed, slot);
         }
-        self.scale(contacts, slots);
+        self.choose_units(contacts, slots);
+        self.contracting = 0;
+        self.scale(0..slots);
+    }
+
+    /// Adds the harmonics in `slots`, which nothing excites, to those of [`Point::set`].
+    pub(crate) fn add(&mut self, condensed: &Condensed, slots: Range<usize>) {
+        for slot in slots.clone() {
+            self.reduce(condensed, slot);
+        }
+        self.scale(slots);
     }
 
     /// Physical receptance and free response of the active contacts of one slot.
@@ -117,11 +144,12 @@ impl Point {
                 self.receptance[(slot * width + row) * width + column] = g(i, l) - through(i, column);
             }
             self.free[slot * width + row] = free(i) - through(i, width);
+            self.lent[slot * width + row] = condensed.lent[slot * all + i];
         }
     }
 
-    /// Units of length and force, and the row factors.
-    fn scale(&mut self, contacts: &[Contact], slots: usize) {
+    /// Units of length and force.
+    fn choose_units(&mut self, contacts: &[Contact], slots: usize) {
         let width = self.width();
         for (row, &c) in self.active.iter().enumerate() {
             let size: f64 = (0..slots).map(|s| self.free[s * width + row].norm()).fold(0.0, f64::max);
@@ -130,16 +158,32 @@ impl Point {
             let force = law.secant_stiffness(length) * length * scale;
             self.length[row] = length;
             self.force[row] = if force > 0.0 { force } else { 1.0 };
+            let bound = law.stiffest().unwrap_or(f64::INFINITY);
+            self.stiffest[row] = bound * scale * length / self.force[row];
         }
-        for slot in 0..slots {
+    }
+
+    /// Takes the dimensions off, and sets the row factors.
+    fn scale(&mut self, slots: Range<usize>) {
+        let width = self.width();
+        for slot in slots {
             for row in 0..width {
                 for column in 0..width {
                     self.receptance[(slot * width + row) * width + column] *=
                         self.force[column] / self.length[row];
                 }
                 self.free[slot * width + row] /= self.length[row];
+                self.lent[slot * width + row] *= self.length[row] / self.force[row];
                 let own = self.receptance[(slot * width + row) * width + row].norm();
                 self.weight[slot * width + row] = 1.0 / (1.0 + own);
+                let pull = |column: usize| {
+                    let stiffness = self.stiffest[column] + self.lent[slot * width + column].norm();
+                    self.receptance[(slot * width + row) * width + column].norm() * stiffness
+                };
+                let factor: f64 = (0..width).map(pull).sum();
+                if factor.is_nan() || factor > CONTRACTION {
+                    self.contracting = slot + 1;
+                }
             }
         }
     }
@@ -151,13 +195,21 @@ impl Point {
         rows.map(|(free, weight)| (free * weight).norm_sqr()).sum::<f64>().sqrt()
     }
 
+    /// What the structure feels of the contact force `force` at the displacement `unknown` beside the springs it was
+    /// lent: `F̂ − Ŝ û`.
+    #[inline]
+    pub(crate) fn felt(&self, entry: usize, force: c64, unknown: c64) -> c64 {
+        force - self.lent[entry] * unknown
+    }
+
     /// Harmonic `slot` of the forces in N that keep the held contacts at rest, `G_hh⁻¹ (u⁰_h − G_hf F_f)`, given the
-    /// dimensionless forces `[slot][i]` of the active ones; one value a held contact, in order.
+    /// dimensionless forces and displacements `[slot][i]` of the active ones; one value a held contact, in order.
     pub(crate) fn holding_forces(
         &mut self,
         condensed: &Condensed,
         slot: usize,
         active_forces: &[c64],
+        unknowns: &[c64],
         mut receive: impl FnMut(usize, c64),
     ) {
         let (all, width, held) = (condensed.contacts, self.active.len(), self.held.contacts.len());
@@ -170,7 +222,10 @@ impl Point {
                 .active
                 .iter()
                 .enumerate()
-                .map(|(c, &l)| g(h, l) * active_forces[slot * width + c] * self.force[c])
+                .map(|(c, &l)| {
+                    let entry = slot * width + c;
+                    g(h, l) * self.felt(entry, active_forces[entry], unknowns[entry]) * self.force[c]
+                })
                 .sum();
             self.held.rhs[(r, 0)] = condensed.free[slot * all + h] - pull;
         }

@@ -15,7 +15,10 @@ impl Plan {
         solution.stats = ws.stats;
         solution.residual_history.clear();
         solution.residual_history.extend_from_slice(&ws.newton.history);
-        let slots = self.slots();
+        let slots = self.rungs[ws.goal].slots;
+        solution.harmonics = self.harmonics_of(ws.goal);
+        solution.slaved = if self.scalar || self.linear { 0 } else { slots - self.core(slots, &ws.point) };
+        (solution.truncation_error, solution.sampling_error) = (ws.truncation_error, ws.sampling_error);
         solution.contacts.resize_with(self.contacts.len(), ContactSolution::default);
         for (c, contact) in solution.contacts.iter_mut().enumerate() {
             self.report_contact(c, slots, ws, contact);
@@ -25,7 +28,7 @@ impl Plan {
 
     fn report_contact(&self, c: usize, slots: usize, ws: &mut Workspace, report: &mut ContactSolution) {
         let all = self.contacts.len();
-        let last = self.rungs.len() - 1;
+        let last = ws.goal;
         report.displacement.clear();
         report.force.clear();
         let Some(row) = ws.point.active.iter().position(|&active| active == c) else {
@@ -65,9 +68,9 @@ impl Plan {
             report.turning_points = 2;
             self.contacts[c].law.describing_function().map(|law| law.marks(report.amplitude))
         } else {
-            let buffers = &ws.balance[self.rungs.len() - 1];
+            let buffers = &ws.balance[ws.goal];
             // A contact that does not move has no turning points and no amplitude.
-            let _ = ws.turning_points.find(&self.balance(self.rungs.len() - 1).motion(buffers, c));
+            let _ = ws.turning_points.find(&self.balance(ws.goal).motion(buffers, c));
             report.amplitude = ws.turning_points.amplitude();
             report.turning_points = ws.turning_points.points().len();
             buffers.marks(c)
@@ -93,8 +96,12 @@ impl Plan {
             row.extend((0..slots).map(|slot| {
                 let entry = slot * outputs + o;
                 let recovery = &ws.condensed.recovery[entry * all..(entry + 1) * all];
+                let lent = &ws.condensed.lent[slot * all..(slot + 1) * all];
+                let felt = |contact: &ContactSolution, lent: &c64| {
+                    contact.force[slot] + lent * contact.displacement[slot]
+                };
                 let moved: c64 =
-                    recovery.iter().zip(contacts).map(|(r, contact)| r * contact.force[slot]).sum();
+                    recovery.iter().zip(contacts).zip(lent).map(|((r, c), lent)| r * felt(c, lent)).sum();
                 ws.condensed.free_output[entry] + moved
             }));
         }
@@ -103,10 +110,13 @@ impl Plan {
     /// The response without contact forces: one row per output dof, one column per order. `None` where the
     /// structure is singular.
     pub fn linear_response(&self, frequency: f64, workspace: &mut Workspace) -> Option<Vec<Vec<Complex64>>> {
-        self.structure.condense(frequency, &mut workspace.condensed).ok()?;
+        let slots = self.slots();
+        self.structure.condense(frequency, 0..slots, &mut workspace.condensed).ok()?;
         let outputs = workspace.condensed.outputs;
-        let row =
-            |o: usize| (0..self.slots()).map(|s| workspace.condensed.free_output[s * outputs + o]).collect();
+        if workspace.condensed.lent[..slots * self.contacts.len()].iter().any(|lent| *lent != c64::ZERO) {
+            return None;
+        }
+        let row = |o: usize| (0..slots).map(|s| workspace.condensed.free_output[s * outputs + o]).collect();
         Some((0..outputs).map(row).collect())
     }
 }

@@ -31,6 +31,8 @@ pub struct Settings {
     pub truncation: Option<f64>,
     /// Estimate the truncation error of every point.
     pub estimate: bool,
+    /// Find high harmonics that the structure barely answers by substitution instead of Newton's method.
+    pub slaving: bool,
     /// Samples a period for the contact forces, raised to a power of two; `None` chooses.
     pub samples: Option<usize>,
     /// How an iteration starts.
@@ -52,6 +54,7 @@ impl Settings {
             harmonics,
             truncation: None,
             estimate: false,
+            slaving: true,
             samples: None,
             start: Start::default(),
             jacobian: Jacobian::default(),

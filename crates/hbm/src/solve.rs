@@ -43,15 +43,18 @@ impl Plan {
         ws.stats = Stats::default();
         ws.held.fill(false);
         ws.newton.history.clear();
-        if let Err(harmonic) = self.structure.condense(frequency, &mut ws.condensed) {
+        (ws.truncation_error, ws.sampling_error) = (None, None);
+        ws.goal = self.first_goal();
+        ws.ready = self.rungs[ws.goal].slots;
+        if let Err(harmonic) = self.structure.condense(frequency, 0..ws.ready, &mut ws.condensed) {
             ws.has_previous = false;
             return solution.fail(FailureReason::SingularStructure { harmonic });
         }
-        ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
+        ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
         let marching = self.settings.start == Start::March && ws.has_previous;
-        if ws.point.excitation_norm(self.slots()) == 0.0 {
+        if ws.point.excitation_norm(ws.ready) == 0.0 {
             self.at_rest_without_load(ws, solution);
-        } else if marching && self.march(ws, solution) {
+        } else if marching && self.march(frequency, ws, solution) {
             // The previous point led here.
         } else if self.linear {
             self.linear(ws, solution);
@@ -64,14 +67,22 @@ impl Plan {
         ws.has_previous = solution.status.solved();
     }
 
+    /// Nothing is left out of this solution.
+    pub(crate) fn exactly(&self, ws: &mut Workspace) {
+        if self.settings.estimate || self.settings.truncation.is_some() {
+            (ws.truncation_error, ws.sampling_error) = (Some(0.0), Some(0.0));
+        }
+    }
+
     /// Nothing moves the contacts.
     fn at_rest_without_load(&self, ws: &mut Workspace, solution: &mut Solution) {
         ws.unknowns.fill(c64::ZERO);
         for held in &mut ws.held {
             *held = true;
         }
-        ws.point.set(&ws.condensed, &self.contacts, self.slots(), &ws.held);
+        ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
         self.holding_forces(ws);
+        self.exactly(ws);
         self.report(Status::Converged, 0.0, ws, solution);
         for (contact, report) in self.contacts.iter().zip(&mut solution.contacts) {
             report.state =
@@ -81,9 +92,9 @@ impl Plan {
 
     /// All laws are linear: one linear system a harmonic.
     fn linear(&self, ws: &mut Workspace, solution: &mut Solution) {
-        let slots = self.slots();
+        let (last, slots) = (ws.goal, ws.ready);
         self.solve_linearised(slots, self.first_slot().unwrap_or(0), ws);
-        let last = self.rungs.len() - 1;
+        self.exactly(ws);
         let evaluated = self.balance(last).evaluate(
             &ws.point,
             slots,
@@ -112,6 +123,7 @@ impl Plan {
             law: contact.law.describing_function()?,
             scale: contact.scale,
             receptance: ws.condensed.receptance[slot],
+            own: 1.0 - ws.condensed.receptance[slot] * ws.condensed.lent[slot],
             free,
             length: contact.law.length().unwrap_or(free.norm()),
         })
@@ -146,6 +158,8 @@ impl Plan {
         let mut reported = false;
         for &a in roots.iter().take(if self.settings.all_solutions { usize::MAX } else { 1 }) {
             self.place_root(&balance, a, ws);
+            let closed = Outcome { converged: true, ..Outcome::NONE };
+            self.complete(closed, solution.frequency, ws);
             if reported {
                 let mut other = Solution::empty(solution.frequency, solution.harmonics);
                 self.report(Status::Converged, balance.residual(a), ws, &mut other);
@@ -157,7 +171,8 @@ impl Plan {
         }
         let mut count = roots.len();
         ws.roots = roots;
-        if balance.can_hold() {
+        let can_hold = balance.can_hold();
+        if can_hold {
             let mut rest = Solution::empty(solution.frequency, solution.harmonics);
             let held = match reported {
                 true => self.try_holding(ws, &mut rest),
@@ -172,7 +187,7 @@ impl Plan {
         match reported {
             true => solution.solutions = Some(count),
             // Held by the first harmonic alone, but not together with a static load.
-            false => self.fail(Some(LawError::NoMotion), f64::INFINITY, ws, solution),
+            false => self.fail(can_hold.then_some(LawError::NoMotion), f64::INFINITY, ws, solution),
         }
     }
 
@@ -191,13 +206,21 @@ impl Plan {
                 self.climb(0, ws)
             }
         };
+        if !outcome.converged
+            && let Some(goal) = self.second_goal(ws)
+            && self.reach(self.rungs[goal].slots, solution.frequency, ws).is_ok()
+        {
+            ws.goal = goal;
+            self.secant_start(ws);
+            outcome = self.climb(0, ws);
+        }
         if !outcome.converged {
             let law_error = outcome.law_error;
             outcome = self.fall_back(solution.frequency, ws);
             outcome.law_error = outcome.law_error.or(law_error);
         }
         if outcome.converged {
-            return self.report(Status::Converged, outcome.residual, ws, solution);
+            return self.accept(outcome, false, ws, solution);
         }
         if !self.try_holding(ws, solution) {
             self.fail(outcome.law_error, outcome.residual, ws, solution);
@@ -220,9 +243,10 @@ impl Plan {
         for &a in &roots {
             self.place_root(balance, a, ws);
             // A ladder of one rung is climbed all the same: its balance is asked for, not the closed form.
-            let outcome = self.climb(usize::from(self.rungs.len() > 1), ws);
+            ws.goal = self.first_goal();
+            let outcome = self.climb(usize::from(ws.goal > 0), ws);
             if outcome.converged {
-                self.accept(&outcome, found, ws, solution);
+                self.accept(outcome, found, ws, solution);
                 found = true;
                 if !self.settings.all_solutions {
                     break;
@@ -241,7 +265,8 @@ impl Plan {
     }
 
     /// Reports a converged iteration, as a further solution when one is reported already and this one is new.
-    fn accept(&self, outcome: &Outcome, further: bool, ws: &mut Workspace, solution: &mut Solution) {
+    fn accept(&self, outcome: Outcome, further: bool, ws: &mut Workspace, solution: &mut Solution) {
+        let outcome = self.complete(outcome, solution.frequency, ws);
         if !further {
             return self.report(Status::Converged, outcome.residual, ws, solution);
         }
@@ -257,6 +282,9 @@ impl Plan {
         let reason = match law_error {
             Some(LawError::NoMotion) => FailureReason::HoldingLimit,
             Some(error @ LawError::NegativeMagnitude { .. }) => FailureReason::Law(error),
+            _ if self.singular_harmonic(ws).is_some() => {
+                FailureReason::SingularStructure { harmonic: self.singular_harmonic(ws).unwrap_or(0) }
+            }
             _ => FailureReason::NotConverged,
         };
         solution.fail(reason);
@@ -264,15 +292,22 @@ impl Plan {
         solution.residual_history.extend_from_slice(&ws.newton.history);
     }
 
+    /// The harmonic of Ω at which the structure alone is singular, if there is one.
+    fn singular_harmonic(&self, ws: &Workspace) -> Option<usize> {
+        let lent = ws.point.lent.iter().take(ws.ready * ws.point.width());
+        let entry = lent.into_iter().position(|lent| *lent != c64::ZERO)?;
+        self.harmonics.orders.get(entry / ws.point.width()).copied()
+    }
+
     /// The paper's strategy: damped Newton from the previous frequency's solution.
-    fn march(&self, ws: &mut Workspace, solution: &mut Solution) -> bool {
+    fn march(&self, hertz: f64, ws: &mut Workspace, solution: &mut Solution) -> bool {
         let width = ws.point.width();
-        for entry in 0..self.slots() * width {
+        for entry in 0..ws.ready * width {
             ws.unknowns[entry] = ws.previous[entry] / ws.point.length[entry % width];
         }
-        let last = self.rungs.len() - 1;
-        let outcome = self.iterate(last, self.slots(), Homotopy::NONE, ws);
+        let mut outcome = self.iterate(ws.goal, ws.ready, Homotopy::NONE, ws);
         if outcome.converged {
+            outcome = self.complete(outcome, hertz, ws);
             self.report(Status::Converged, outcome.residual, ws, solution);
         }
         outcome.converged

@@ -17,7 +17,7 @@ impl Plan {
             return None;
         }
         let repeats = self.harmonics.fundamental;
-        let least = samples.div_ceil(repeats).max(4 * (self.harmonics.highest() + 1));
+        let least = samples.div_ceil(repeats).max(4 * (self.harmonics.asked + 1));
         let transform = Transform::new(least + least % 2);
         let total = transform.samples() * repeats;
         let in_time = |slots: &[Complex64]| repeat(&self.sampled(&transform, slots, 0), repeats);
@@ -40,7 +40,7 @@ impl Plan {
 
     /// Harmonics of the base frequency 0..=n from the plan's slots, differentiated `order` times.
     fn dense(&self, slots: &[Complex64], order: i32) -> Vec<Complex64> {
-        let mut spectrum = vec![Complex64::ZERO; self.harmonics.highest() + 1];
+        let mut spectrum = vec![Complex64::ZERO; self.harmonics.asked + 1];
         for (&k, &amplitude) in self.harmonics.reduced.iter().zip(slots) {
             if let Some(entry) = spectrum.get_mut(k) {
                 *entry = amplitude * Complex64::new(0.0, k as f64).powi(order);

@@ -130,6 +130,13 @@ impl<'s> Truths<'s> {
         Ok(Self { scene, plan, harmonics, highest: (BEYOND * (largest + 1)).max(512), has_orbits })
     }
 
+    /// The same truths with spectra of orbits up to harmonic `highest` at least.
+    #[must_use]
+    pub fn compared_up_to(mut self, highest: usize) -> Self {
+        self.highest = self.highest.max(highest);
+        self
+    }
+
     /// Whether every contact moves by a mechanism, so that there are exact orbits.
     pub fn has_orbits(&self) -> bool {
         self.has_orbits
@@ -269,8 +276,8 @@ impl Truth {
         })
     }
 
-    /// The truncation error.
-    fn spectrum_error(&self, orders: &[usize], rows: &[&[Complex64]]) -> f64 {
+    /// The truncation error of amplitudes at the harmonics `orders`, one row per output dof.
+    pub fn spectrum_error(&self, orders: &[usize], rows: &[&[Complex64]]) -> f64 {
         worst(self.dofs.iter().zip(rows).map(|(truth, row)| {
             let row = dense(orders, row);
             let harmonics = 0..truth.spectrum.len().max(row.len());
