@@ -9,9 +9,10 @@ use contact::{
     ScaledLoop, Symmetry,
 };
 use faer::{Mat, mat};
-use hbm::{Contact, Damping, Excitation, ExcitationKind, Model, Problem};
+use hbm::{Contact, Damping, Excitation, ExcitationKind, Model, Plan, Problem};
 use hysteresis::{FitSettings, Loop, ReadOptions, Record};
 use num_complex::Complex64;
+use serde_json::Value;
 
 /// cos-force of `amplitude` on `dof`, first harmonic.
 pub fn force(dof: usize, amplitude: f64) -> Excitation {
@@ -131,4 +132,43 @@ impl SampledMotion {
 /// The paper's scene: two masses with the paper's law on the shipped loop.
 pub fn paper_scene() -> Problem {
     two_mass(scaled_reference_loop())
+}
+
+/// An exact orbit of `reference/exact_orbits.json`.
+pub struct ExactOrbit {
+    /// In Hz.
+    pub hertz: f64,
+    /// Harmonics of w1 in m, with their orders.
+    pub harmonics: Vec<(usize, Complex64)>,
+    /// In J per cycle.
+    pub dissipation: f64,
+}
+
+/// The exact orbits of scene `"R"` or `"P"`.
+pub fn exact_orbits(scene: &str) -> Vec<ExactOrbit> {
+    let data: Value =
+        serde_json::from_str(include_str!("reference/exact_orbits.json")).expect("the reference data");
+    let number = |v: &Value| v.as_f64().expect("a number");
+    let points = data[scene]["points"].as_array().expect("a scene of the reference data");
+    let orbit = |point: &Value| ExactOrbit {
+        hertz: number(&point["hertz"]),
+        harmonics: (point["w1"].as_array().expect("a spectrum").iter())
+            .map(|h| (number(&h[0]) as usize, Complex64::new(number(&h[1]), number(&h[2]))))
+            .collect(),
+        dissipation: number(&point["dissipation"]),
+    };
+    points.iter().map(orbit).collect()
+}
+
+impl ExactOrbit {
+    /// Relative l2 error of the spectrum of w1 over all harmonics.
+    pub fn error(&self, plan: &Plan, found: &[Complex64]) -> f64 {
+        let at = |k: usize| {
+            let slot = plan.orders().iter().position(|&order| order == k);
+            slot.and_then(|slot| found.get(slot)).copied().unwrap_or(Complex64::ZERO)
+        };
+        let difference: f64 = self.harmonics.iter().map(|&(k, w)| (at(k) - w).norm_sqr()).sum();
+        let size: f64 = self.harmonics.iter().map(|(_, w)| w.norm_sqr()).sum();
+        (difference / size).sqrt()
+    }
 }

@@ -2,42 +2,7 @@
 
 use hbm::{Plan, Problem, Settings, Status};
 use num_complex::Complex64;
-use serde_json::Value;
-use stickslip_tests::{scene_p, scene_r};
-
-/// Exact harmonics of w1 and energy per cycle at one frequency.
-struct Orbit {
-    hertz: f64,
-    harmonics: Vec<(usize, Complex64)>,
-    dissipation: f64,
-}
-
-fn orbits(scene: &str) -> Vec<Orbit> {
-    let data: Value = serde_json::from_str(include_str!("reference/exact_orbits.json")).unwrap();
-    let number = |v: &Value| v.as_f64().unwrap();
-    let points = data[scene]["points"].as_array().unwrap();
-    let orbit = |point: &Value| Orbit {
-        hertz: number(&point["hertz"]),
-        harmonics: point["w1"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|h| (h[0].as_u64().unwrap() as usize, Complex64::new(number(&h[1]), number(&h[2]))))
-            .collect(),
-        dissipation: number(&point["dissipation"]),
-    };
-    points.iter().map(orbit).collect()
-}
-
-/// Relative l2 error of the spectrum of w1 over all harmonics.
-fn error(plan: &Plan, found: &[Complex64], exact: &Orbit) -> f64 {
-    let at = |k: usize| {
-        plan.orders().iter().position(|&order| order == k).map_or(Complex64::ZERO, |slot| found[slot])
-    };
-    let difference: f64 = exact.harmonics.iter().map(|&(k, w)| (at(k) - w).norm_sqr()).sum();
-    let size: f64 = exact.harmonics.iter().map(|(_, w)| w.norm_sqr()).sum();
-    (difference / size).sqrt()
-}
+use stickslip_tests::{exact_orbits, paper_scene, scene_p, scene_r};
 
 fn plan(problem: &Problem, harmonics: usize, samples: usize) -> Plan {
     let mut settings = Settings::new(harmonics);
@@ -58,7 +23,7 @@ const SCENE_R: [(f64, f64, (f64, f64), f64); 6] = [
 
 #[test]
 fn scene_r_has_the_known_truncation_errors() {
-    let exact = orbits("R");
+    let exact = exact_orbits("R");
     for (hertz, amplitude, one, thirty_one) in SCENE_R {
         let orbit = exact.iter().find(|orbit| orbit.hertz == hertz).unwrap();
         assert!((orbit.harmonics[0].1.norm() / amplitude - 1.0).abs() < 1e-9, "{hertz} Hz");
@@ -66,7 +31,7 @@ fn scene_r_has_the_known_truncation_errors() {
             let plan = plan(&scene_r(), harmonics, 4096);
             let solution = plan.solve(hertz, &mut plan.workspace());
             assert_eq!(solution.status, Status::Converged, "{hertz} Hz, N = {harmonics}");
-            let error = error(&plan, &solution.displacement[0], orbit);
+            let error = orbit.error(&plan, &solution.displacement[0]);
             let (expected, tolerance) = match harmonics {
                 1 => one,
                 // 10 % for what 4096 samples leave.
@@ -93,7 +58,7 @@ fn scene_p_reaches_the_exact_orbit() {
         (108.0, 1.945075923e-5),
         (118.0, 3.460092910e-5),
     ];
-    let exact = orbits("P");
+    let exact = exact_orbits("P");
     let plan = plan(&scene_p(), 31, 4096);
     let mut workspace = plan.workspace();
     for (hertz, amplitude) in amplitudes {
@@ -101,7 +66,7 @@ fn scene_p_reaches_the_exact_orbit() {
         assert!((orbit.harmonics[0].1.norm() / amplitude - 1.0).abs() < 1e-9, "{hertz} Hz");
         let solution = plan.solve(hertz, &mut workspace);
         assert_eq!(solution.status, Status::Converged, "{hertz} Hz");
-        let error = error(&plan, &solution.displacement[0], orbit);
+        let error = orbit.error(&plan, &solution.displacement[0]);
         assert!(error < 2e-6, "{hertz} Hz: {error:e}");
     }
 }
@@ -113,10 +78,10 @@ fn events_leave_truncation_alone() {
         let plan = Plan::new(&problem, &Settings::new(31)).unwrap();
         assert_eq!((plan.facts().event_exact, plan.facts().samples), (1, 0));
         let mut workspace = plan.workspace();
-        for orbit in orbits(scene) {
+        for orbit in exact_orbits(scene) {
             let solution = plan.solve(orbit.hertz, &mut workspace);
             assert_eq!(solution.status, Status::Converged, "{} Hz", orbit.hertz);
-            let error = error(&plan, &solution.displacement[0], &orbit);
+            let error = orbit.error(&plan, &solution.displacement[0]);
             match SCENE_R.iter().find(|row| row.0 == orbit.hertz && scene == "R") {
                 // Half a unit of the second digit of the smallest entry.
                 Some(row) => assert!((error / row.3 - 1.0).abs() < 0.02, "{} Hz: {error:e}", orbit.hertz),
@@ -148,31 +113,104 @@ fn samples_approach_events() {
     assert!((rate - 2.0).abs() < 0.25, "{rate}");
 }
 
-/// Stick–slip: F_k ~ k⁻², W_k ~ k⁻⁴, so the l2 error falls like (N + 1)^−3.5 and that of |W_1| like (N + 1)^−3.
+/// Stick–slip: F_k ~ k⁻², W_k ~ k⁻⁴, so the l2 error falls like (N + 1)^−3.5, √Σ_{k>N} k⁻⁸. The first harmonic feels the
+/// tail through Σ_{k>N} W_k K_{1−k} ~ Σ k⁻⁵, and through w at the turning points, Σ k⁻⁴ e^{ik(τ_r − τ_e)}, whose terms
+/// alternate since slip does not begin where it ends: both fall like (N + 1)^−4.
 #[test]
 fn rates_of_convergence_of_stick_slip() {
-    let exact = orbits("R");
-    let orders = [31, 63, 127];
-    let slope = |errors: &[f64]| {
-        let n = errors.len() as f64;
-        let x: Vec<f64> = orders.iter().map(|&n| f64::ln(n as f64 + 1.0)).collect();
-        let y: Vec<f64> = errors.iter().map(|e| e.ln()).collect();
-        let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
-        let covariance: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
-        covariance / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()
-    };
-    let mut rates = Vec::new();
-    for orbit in &exact {
-        let errors: Vec<f64> = orders
-            .iter()
-            .map(|&harmonics| {
-                let plan = plan(&scene_r(), harmonics, 1 << 15);
-                let solution = plan.solve(orbit.hertz, &mut plan.workspace());
-                error(&plan, &solution.displacement[0], orbit)
-            })
-            .collect();
-        rates.push(slope(&errors));
+    let orders = [31, 63, 127, 255];
+    let (mut spectra, mut firsts) = (Vec::new(), Vec::new());
+    for (problem, scene) in [(scene_r(), "R"), (scene_p(), "P")] {
+        let plans = orders.map(|n| Plan::new(&problem, &Settings::new(n)).unwrap());
+        let mut workspaces = plans.each_ref().map(Plan::workspace);
+        for orbit in exact_orbits(scene) {
+            let first = orbit.harmonics[0].1.norm();
+            let mut errors = Vec::new();
+            for (plan, workspace) in plans.iter().zip(&mut workspaces) {
+                let solution = plan.solve(orbit.hertz, workspace);
+                let found = &solution.displacement[0];
+                errors.push((orbit.error(plan, found), (found[0].norm() / first - 1.0).abs()));
+            }
+            spectra.push(rate(&orders, errors.iter().map(|e| e.0)));
+            firsts.push(rate(&orders, errors.iter().map(|e| e.1)));
+        }
     }
-    let mean = rates.iter().sum::<f64>() / rates.len() as f64;
-    assert!((mean + 3.5).abs() < 0.15, "{rates:?}");
+    let mean = |rates: &[f64]| rates.iter().sum::<f64>() / rates.len() as f64;
+    assert!((mean(&spectra) + 3.5).abs() < 0.1, "{spectra:?}");
+    assert!(spectra.iter().all(|rate| (rate + 3.5).abs() < 0.4), "{spectra:?}");
+    // A single frequency may pass a zero of its error; all together do not.
+    assert!((mean(&firsts) + 4.0).abs() < 0.2, "{firsts:?}");
+}
+
+/// Slope of ln error over ln (N + 1).
+fn rate(orders: &[usize], errors: impl Iterator<Item = f64>) -> f64 {
+    let points: Vec<(f64, f64)> =
+        orders.iter().zip(errors).map(|(&n, error)| ((n as f64 + 1.0).ln(), error.ln())).collect();
+    let n = points.len() as f64;
+    let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+    let covariance: f64 = points.iter().map(|(x, y)| (x - mx) * (y - my)).sum();
+    covariance / points.iter().map(|(x, _)| (x - mx).powi(2)).sum::<f64>()
+}
+
+/// Newton's method for the harmonics that need it, substitution for the rest: the same balance, and errors that samples
+/// cannot reach.
+#[test]
+fn a_slaved_tail_reaches_the_exact_orbit() {
+    let with_tail = Plan::new(&scene_r(), &Settings::new(287)).unwrap();
+    let mut tail_workspace = with_tail.workspace();
+    let mut settings = Settings::new(95);
+    let short = Plan::new(&scene_r(), &settings).unwrap();
+    settings.slaving = false;
+    let by_newton = Plan::new(&scene_r(), &settings).unwrap();
+    for orbit in exact_orbits("R") {
+        let solution = with_tail.solve(orbit.hertz, &mut tail_workspace);
+        assert_eq!((solution.status, solution.slaved), (Status::Converged, 128), "{} Hz", orbit.hertz);
+        let error = orbit.error(&with_tail, &solution.displacement[0]);
+        assert!(error < 1e-8, "{} Hz: {error:e}", orbit.hertz);
+
+        let slaved = short.solve(orbit.hertz, &mut short.workspace());
+        let full = by_newton.solve(orbit.hertz, &mut by_newton.workspace());
+        assert_eq!((slaved.slaved, full.slaved), (32, 0));
+        let size = full.displacement[0][0].norm();
+        for (a, b) in slaved.displacement[0].iter().zip(&full.displacement[0]) {
+            assert!((a - b).norm() < 1e-10 * size, "{} Hz", orbit.hertz);
+        }
+    }
+}
+
+/// Where the structure answers high harmonics as much as low ones there is no tail.
+#[test]
+fn no_tail_where_substitution_does_not_contract() {
+    let plan = Plan::new(&scene_r(), &Settings::new(63)).unwrap();
+    // |Ĝ| at harmonic k is about 6.7e6 / (3.98 (kΩ)²): at 5 Hz above 0.05 up to k = 185.
+    let slow = plan.solve(5.0, &mut plan.workspace());
+    assert_eq!((slow.status, slow.slaved), (Status::Converged, 0));
+    assert_eq!(plan.solve(75.0, &mut plan.workspace()).slaved, 16);
+}
+
+/// The loop law without interior reversals is smooth: its error falls faster than any power of N that a kink would leave.
+#[test]
+fn a_smooth_loop_converges_fast() {
+    let problem = paper_scene();
+    let spectrum = |harmonics: usize, hertz: f64| {
+        let plan = Plan::new(&problem, &Settings::new(harmonics)).unwrap();
+        let solution = plan.solve(hertz, &mut plan.workspace());
+        assert_eq!((solution.status, solution.contacts[0].turning_points), (Status::Converged, 2));
+        solution.displacement[0].clone()
+    };
+    for hertz in [75.0, 90.0, 100.0, 108.0, 112.0] {
+        let reference = spectrum(127, hertz);
+        let size: f64 = reference.iter().map(|w| w.norm_sqr()).sum();
+        let error = |harmonics: usize| {
+            let found = spectrum(harmonics, hertz);
+            let padded = found.iter().copied().chain(std::iter::repeat(Complex64::ZERO));
+            let change: f64 = reference.iter().zip(padded).map(|(a, b)| (a - b).norm_sqr()).sum();
+            (change / size).sqrt()
+        };
+        let errors = [7, 15, 31, 63].map(error);
+        let rates: Vec<f64> = errors.windows(2).map(|pair| (pair[1] / pair[0]).log2()).collect();
+        // More than stick–slip's −3.5 from the first doubling, and far more at the last.
+        assert!(rates[0] < -4.0 && rates[2] < -10.0, "{hertz} Hz: {rates:?}");
+        assert!(errors[3] < 1e-8, "{hertz} Hz: {errors:?}");
+    }
 }

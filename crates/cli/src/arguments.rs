@@ -1,11 +1,15 @@
 //! What can be asked for: commands, flags and their help.
 
+mod studies;
+
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Harmonics, Scene};
+
+pub use studies::{OrbitArguments, TruncationArguments};
 
 use crate::ending::Failure;
 
@@ -15,12 +19,15 @@ Examples:
   stickslip sweep two-mass.json                    its forced response: peaks, worst points, time
   stickslip sweep two-mass.json -o response.json   the full result
   stickslip explain two-mass.json                  what this scene needs, what it leaves out, and why
+  stickslip truncation two-mass.json               how many harmonics it needs
+  stickslip orbit scene.json --frequency 57        the exact periodic motion at 57 Hz
   stickslip loop fit record.csv                    what is in a measured loop
   stickslip loop scale loops/*.csv                 how loops scale with their amplitude
 
 Exit codes:
   0  all points solved               3    the output cannot be written
-  1  some points not solved          130  stopped by Ctrl-C; finished points are kept
+  1  some points not solved,         130  stopped by Ctrl-C; finished points are kept
+     or --require missed
   2  bad scene, record or arguments";
 
 /// Forced response of structures with measured friction loops, by multi-harmonic balance.
@@ -44,6 +51,12 @@ pub enum Command {
     /// Read and check a scene, nothing else
     #[command(after_help = "Example:\n  stickslip check two-mass.json && echo fine")]
     Check(SceneArguments),
+    /// Say how many harmonics a scene needs: error and time against N
+    #[command(after_help = studies::TRUNCATION)]
+    Truncation(TruncationArguments),
+    /// Find the exact periodic motion at one frequency, without harmonics
+    #[command(after_help = studies::ORBIT)]
+    Orbit(OrbitArguments),
     /// Look at measured friction loops
     #[command(subcommand, arg_required_else_help = true)]
     Loop(LoopCommand),
@@ -90,18 +103,30 @@ pub struct SceneArguments {
     #[arg(long, value_name = "N|TOLERANCE:MAX")]
     pub harmonics: Option<Harmonics>,
     /// Solve at other frequencies than the scene's, in Hz
-    #[arg(long, value_name = "FROM:TO:POINTS[:log]")]
+    #[arg(long, value_name = FREQUENCIES)]
     pub frequencies: Option<Frequencies>,
+}
+
+/// How frequencies are written.
+const FREQUENCIES: &str = "FROM:TO:POINTS[:log]|HZ,HZ,…";
+
+/// Reads a scene's file.
+pub fn read_scene(path: &Path) -> Result<Scene, Failure> {
+    Scene::from_file(path).map_err(|error| match error {
+        unreadable @ scene::SceneError::Unreadable { .. } => Failure::input(unreadable),
+        error => in_file(path, error),
+    })
+}
+
+/// An error about what is written in a file.
+pub fn in_file(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Failure {
+    Failure::Input(anyhow::Error::new(error).context(path.display().to_string()))
 }
 
 impl SceneArguments {
     /// Reads the scene and changes it as asked for.
     pub fn read(&self) -> Result<Scene, Failure> {
-        let in_file = |error: scene::SceneError| match error {
-            unreadable @ scene::SceneError::Unreadable { .. } => Failure::input(unreadable),
-            error => Failure::Input(anyhow::Error::new(error).context(self.scene.display().to_string())),
-        };
-        let mut scene = Scene::from_file(&self.scene).map_err(in_file)?;
+        let mut scene = read_scene(&self.scene)?;
         if let Some(harmonics) = self.harmonics {
             scene = scene.with_harmonics(harmonics).map_err(|error| Failure::input(format!("--{error}")))?;
         }
@@ -113,7 +138,7 @@ impl SceneArguments {
 
     /// An error that turned up when the scene was made ready.
     pub fn unsolvable(&self, error: scene::SceneError) -> Failure {
-        Failure::Input(anyhow::Error::new(error).context(self.scene.display().to_string()))
+        in_file(&self.scene, error)
     }
 }
 
@@ -300,7 +325,7 @@ pub enum TableFormat {
     Text,
     /// Everything, for programs.
     Json,
-    /// The six numbers, one a line.
+    /// The numbers alone, line by line.
     Csv,
 }
 

@@ -7,8 +7,10 @@ use contact::identification::Identification;
 use contact::identification::Magnitude;
 use hysteresis::{Fit, Record};
 use scene::{Scene, Solved};
+use study::Truncation;
 
 use crate::ending::Failure;
+use crate::orbit::Motion;
 use crate::output::unwritable;
 
 /// A picture that can be drawn: its file has a known form and a folder to lie in.
@@ -101,6 +103,73 @@ pub fn scaling(figure: Figure, found: &Identification) -> Result<(), Failure> {
         phase: Box::new(|alpha| found.phase.law.value(alpha)),
     };
     write_scaling(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+/// Draws errors against the number of harmonics.
+#[cfg(feature = "plot")]
+pub fn truncation(figure: Figure, study: &Truncation, required: Option<f64>) -> Result<(), Failure> {
+    use plot::{TruncationPlot, write_truncation};
+
+    if study.rows.iter().all(|row| row.error.is_none()) {
+        crate::ending::say(format_args!("no picture was drawn: no error is known"));
+        return Ok(());
+    }
+    let rows = study.rows.chunks(study.harmonics.len().max(1)).zip(&study.rates);
+    let curve = |(rows, rate): (&[study::Row], &study::Rate)| {
+        let points = rows.iter().map(|row| (row.harmonics, row.error)).collect();
+        (format!("{} Hz", rate.frequency), points)
+    };
+    let drawing = TruncationPlot {
+        title: study.scene.clone(),
+        curves: rows.map(curve).collect(),
+        // What stick and slip make of a displacement: W_k ~ k^-4.
+        slope: Some((-3.5, "(N+1)⁻³·⁵")),
+        required,
+    };
+    write_truncation(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+/// Draws displacements and contact forces of an orbit over its period.
+#[cfg(feature = "plot")]
+pub fn orbit(figure: Figure, motion: &Motion) -> Result<(), Failure> {
+    use plot::{OrbitPanel, OrbitPlot, write_orbit};
+
+    let period = motion.orbit.period();
+    let times: Vec<f64> = motion.instants().chain([period]).collect();
+    let over = |value: &dyn Fn(f64) -> f64| times.iter().map(|t| (t / period, value(*t))).collect();
+    let dofs = motion.dofs().map(|(name, dof)| OrbitPanel {
+        title: name.to_owned(),
+        quantity: ("displacement", "m"),
+        values: over(&|t| motion.orbit.displacement(dof, t)),
+        events: Vec::new(),
+    });
+    let events = motion.orbit.events();
+    let contacts = motion.scene.contacts().enumerate().map(|(i, name)| {
+        let force = |t: f64| motion.orbit.contact_force(i, t);
+        OrbitPanel {
+            title: format!("{name}, on its first body"),
+            quantity: ("force", "N"),
+            values: over(&force),
+            events: (events.iter().filter(|event| event.contact == i))
+                .map(|event| (event.time / period, force(event.time)))
+                .collect(),
+        }
+    });
+    let drawing = OrbitPlot {
+        title: format!("{} at {} Hz", motion.scene.name(), motion.frequency),
+        panels: dofs.chain(contacts).collect(),
+    };
+    write_orbit(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn truncation(figure: Figure, _: &Truncation, _: Option<f64>) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn orbit(figure: Figure, _: &Motion) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
 }
 
 #[cfg(not(feature = "plot"))]

@@ -9,10 +9,12 @@ mod init;
 mod loop_fit;
 mod loop_scale;
 mod manual;
+mod orbit;
 mod output;
 mod progress;
 mod summary;
 mod sweep;
+mod truncation;
 mod waveform;
 
 use std::process::ExitCode;
@@ -47,6 +49,8 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Sweep(arguments) => sweep::run(arguments),
         Command::Explain(arguments) => explain::run(arguments),
         Command::Check(arguments) => check::run(arguments),
+        Command::Truncation(arguments) => truncation::run(arguments),
+        Command::Orbit(arguments) => orbit::run(arguments),
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
         Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),
         Command::Init(arguments) => init::run(arguments),

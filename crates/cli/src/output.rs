@@ -1,11 +1,12 @@
 //! Where results go: standard output, or a file that appears whole or not at all.
 
 use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+use crate::arguments::TableFormat;
 use crate::ending::{Ending, Failure};
 
 /// A result that is still to come. For a file, that it can be written is known before the work begins.
@@ -81,6 +82,41 @@ impl Output {
                 })
             }
         }
+    }
+}
+
+/// No output may replace the input or another output.
+pub fn distinct(input: &Path, outputs: &[&Option<PathBuf>]) -> Result<(), Failure> {
+    let mut taken = vec![input];
+    let same =
+        |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
+    for output in outputs.iter().filter_map(|output| output.as_deref()) {
+        if !same(output, Path::new("/dev/null")) && taken.iter().any(|path| same(path, output)) {
+            let problem =
+                format!("{} is named twice; every output needs a file of its own", output.display());
+            return Err(Failure::input(problem));
+        }
+        taken.push(output);
+    }
+    Ok(())
+}
+
+/// The form of an answer: what was asked for, else by the extension of its file, else a table on a terminal and JSON
+/// into a pipe.
+pub fn table_format(chosen: Option<TableFormat>, output: Option<&Path>) -> Result<TableFormat, Failure> {
+    let Some(path) = output.filter(|_| chosen.is_none()) else {
+        let usual = if io::stdout().is_terminal() { TableFormat::Text } else { TableFormat::Json };
+        return Ok(chosen.unwrap_or(usual));
+    };
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        None | Some("json") => Ok(TableFormat::Json),
+        Some("csv") => Ok(TableFormat::Csv),
+        Some("txt") => Ok(TableFormat::Text),
+        Some(other) => Err(Failure::input(format!(
+            "-o {}: no format is called .{other}; name the file .json, .csv or .txt, or add --format json",
+            path.display()
+        ))),
     }
 }
 

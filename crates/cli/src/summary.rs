@@ -120,7 +120,7 @@ fn worst(points: &[Point]) -> Vec<String> {
 }
 
 /// Three digits in a readable unit.
-fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 1e-3 => format!("{:.0} µs", 1e6 * s),
         s if s < 1.0 => format!("{:.1} ms", 1e3 * s),

@@ -9,7 +9,7 @@ use scene::{Frequencies, Outcome, Prepared, RunOptions, Solved};
 use crate::arguments::{Format, SweepArguments};
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
-use crate::output::Output;
+use crate::output::{self, Output};
 use crate::progress::{Progress, interrupt};
 use crate::{summary, waveform};
 
@@ -25,7 +25,7 @@ enum Wanted {
 pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     let format = format(arguments)?;
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
-    distinct(arguments)?;
+    output::distinct(&arguments.scene.scene, &[&arguments.output, &arguments.waveform, &arguments.plot])?;
     let mut scene = arguments.scene.read()?;
     if let Some(frequency) = arguments.at {
         let one = Frequencies::one(frequency).map_err(|error| Failure::input(format!("--at: {error}")))?;
@@ -97,23 +97,6 @@ fn ending(solved: &Solved) -> Ending {
         (false, true) => Ending::SomeFailed,
         (false, false) => Ending::Done,
     }
-}
-
-/// No output may replace the scene or another output.
-fn distinct(arguments: &SweepArguments) -> Result<(), Failure> {
-    let outputs = [&arguments.output, &arguments.waveform, &arguments.plot].into_iter().flatten();
-    let mut taken = vec![&arguments.scene.scene];
-    let same =
-        |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
-    for output in outputs {
-        if !same(output, Path::new("/dev/null")) && taken.iter().any(|path| same(path, output)) {
-            let problem =
-                format!("{} is named twice; every output needs a file of its own", output.display());
-            return Err(Failure::input(problem));
-        }
-        taken.push(output);
-    }
-    Ok(())
 }
 
 /// The form of the full result; `None` is the table for a terminal.

@@ -108,12 +108,12 @@ impl Plan {
         }
         let mut near = std::mem::take(&mut ws.outputs.0);
         self.outputs(here, &mut near, ws);
-        let iterations = ws.stats.iterations;
+        let stats = ws.stats;
         std::mem::swap(&mut ws.newton.history, &mut ws.history);
         let found = self.leading_digits(hertz, there, (from, to), ws);
         std::mem::swap(&mut ws.newton.history, &mut ws.history);
         if self.settings.truncation.is_none() {
-            ws.stats.iterations = iterations;
+            ws.stats = stats;
         }
         let mut far = std::mem::take(&mut ws.outputs.1);
         self.outputs(there, &mut far, ws);

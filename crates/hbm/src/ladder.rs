@@ -75,7 +75,7 @@ impl Plan {
     }
 
     /// Fewer harmonics than these are not worth a tail.
-    fn least_core(&self) -> usize {
+    pub(crate) fn least_core(&self) -> usize {
         LEAST_CORE.max(self.harmonics.highest_excited)
     }
 

@@ -36,6 +36,10 @@ pub struct PlanFacts {
     pub sampled_on_request: bool,
     /// Harmonics of Ω up to which each rung of the ladder goes, the last being N.
     pub ladder: Vec<usize>,
+    /// Harmonics of Ω that Newton's method solves for at least; a slaved tail may follow. `None` where there is none.
+    pub tail_after: Option<usize>,
+    /// No contact can become stiffer than a known number, so it is known which harmonics can be slaved.
+    pub bounded_stiffness: bool,
     /// Dofs that carry no contact and are condensed away.
     pub condensed_dofs: usize,
     /// Real unknowns of the iteration.
@@ -189,6 +193,7 @@ impl Plan {
         let by_events = |c: &&Contact| iterated && self.exact && c.law.piecewise_linear().is_some();
         let event_exact = self.contacts.iter().filter(by_events).count();
         let sampled = iterated && event_exact < self.contacts.len();
+        let bounded = self.contacts.iter().all(|c| c.law.stiffest().is_some());
         let last = self.rungs.get(self.top);
         PlanFacts {
             fundamental: self.harmonics.fundamental,
@@ -205,6 +210,13 @@ impl Plan {
                 .take(self.top + 1)
                 .filter_map(|rung| self.harmonics.orders.get(rung.slots.checked_sub(1)?).copied())
                 .collect(),
+            tail_after: self
+                .rungs
+                .iter()
+                .find(|rung| rung.order >= self.least_core())
+                .filter(|rung| iterated && bounded && self.settings.slaving && rung.slots < self.slots())
+                .map(|rung| rung.order * self.harmonics.fundamental),
+            bounded_stiffness: bounded,
             condensed_dofs: self.condensed_dofs,
             unknowns: self.balance(self.top).size(self.contacts.len(), self.slots()),
         }

@@ -10,8 +10,24 @@
 //! `M ẅ + D ẇ + C w = f_ext(t) − Σ contacts`; one-sided complex amplitudes `w(t) = Re Σ W_k e^{ikΩt}`; SI units,
 //! frequencies in Hz. Contact forces are given as they act on the first body.
 
+mod dynamic_stiffness;
+mod error;
+mod find;
+mod flow;
 mod orbit;
+mod path;
+mod piecewise;
+mod polynomial;
+mod quadrature;
+mod scaled;
+mod settings;
+mod shooting;
+mod spectrum;
 mod system;
+mod tangents;
 
-pub use orbit::{Event, EventKind, Orbit, OrbitError, Settings, State, find};
+pub use error::OrbitError;
+pub use find::find;
+pub use orbit::Orbit;
+pub use settings::{Event, EventKind, Settings, State};
 pub use system::{Contact, Load, System};

@@ -1,152 +1,197 @@
 //! A periodic orbit and what can be read off it.
 
 use num_complex::Complex64;
-use thiserror::Error;
 
-use crate::system::System;
-
-/// A state of motion to begin with.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct State {
-    /// In m, one a dof.
-    pub displacement: Vec<f64>,
-    /// In m/s, one a dof.
-    pub velocity: Vec<f64>,
-    /// Spring force in N of every slider, contact by contact in the order of their mechanisms; in rig convention.
-    pub sliders: Vec<f64>,
-}
-
-/// How an orbit is looked for.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    /// Largest difference between the ends of a period, relative to the orbit's own size, that is accepted.
-    pub closure: f64,
-    /// Periods that are followed from the start before the period map is solved, at most.
-    pub settling_periods: usize,
-    /// The state at t = 0 to start from; `None` is rest. Where several orbits exist it chooses among them.
-    pub start: Option<State>,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { closure: 1e-12, settling_periods: 400, start: None }
-    }
-}
-
-/// What happens to a slider at an event.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EventKind {
-    /// It begins to slip.
-    Slip,
-    /// It sticks again: the velocity is zero.
-    Stick,
-}
-
-/// An event of the orbit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Event {
-    /// Instant in s, in [0, T).
-    pub time: f64,
-    /// Contact it belongs to.
-    pub contact: usize,
-    /// Slider of that contact.
-    pub slider: usize,
-    /// What begins.
-    pub kind: EventKind,
-    /// Direction of the slip that begins or ends: +1 or −1.
-    pub direction: i8,
-}
-
-/// Why there is no orbit to report.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum OrbitError {
-    /// Not supported by this method.
-    #[error("no exact orbit of contact \"{contact}\" ({law}): {why}")]
-    NoMechanism {
-        /// Name of the contact.
-        contact: String,
-        /// Name of its law.
-        law: &'static str,
-        /// Why, and what to do about it.
-        why: &'static str,
-    },
-}
+use crate::path::{Path, Piece, force};
+use crate::polynomial::{derivative, sign_changes, value};
+use crate::quadrature::gauss_legendre;
+use crate::scaled::Scaled;
+use crate::settings::{Event, State};
+use crate::spectrum::{NODES, displacement_coefficients, force_coefficients};
 
 /// An exact periodic orbit.
 #[derive(Debug, Clone)]
-pub struct Orbit {}
-
-/// Looks for the periodic orbit of `system` at `frequency` in Hz.
-///
-/// # Errors
-/// [`OrbitError`] when there is none, or none was found.
-pub fn find(_system: &System, _frequency: f64, _settings: &Settings) -> Result<Orbit, OrbitError> {
-    Err(OrbitError::NoMechanism { contact: String::new(), law: "", why: "" })
+pub struct Orbit {
+    pub(crate) system: Scaled,
+    /// One period.
+    pub(crate) path: Path,
+    pub(crate) events: Vec<Event>,
+    pub(crate) state: Vec<f64>,
+    pub(crate) closure: f64,
+    pub(crate) energy_error: f64,
+    pub(crate) iterations: usize,
+    pub(crate) periods: usize,
 }
 
 impl Orbit {
     /// T in s.
     pub fn period(&self) -> f64 {
-        0.0
+        std::f64::consts::TAU / self.system.omega
     }
 
     /// Largest difference between the two ends of the period, relative to the orbit's size.
     pub fn closure(&self) -> f64 {
-        0.0
+        self.closure
     }
 
     /// |work of the loads − energy dissipated by contacts and damping| over a period, relative to the larger.
     pub fn energy_error(&self) -> f64 {
-        0.0
+        self.energy_error
+    }
+
+    /// Steps of Newton's method, all attempts together.
+    pub fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    /// Periods that were followed before Newton's method succeeded.
+    pub fn settled_periods(&self) -> usize {
+        self.periods
     }
 
     /// Events of one period in order of time; empty for smooth systems.
     pub fn events(&self) -> &[Event] {
-        &[]
+        &self.events
     }
 
-    /// Displacement of a dof in m at instant `t` in s.
-    pub fn displacement(&self, _dof: usize, _t: f64) -> f64 {
-        0.0
+    /// (contact, slider) of every slider that never slips. Its rest position, and with it the mean, is not determined
+    /// by periodicity: it is the one of the symmetric orbit where loads and laws are odd, else what it has come to on
+    /// the way from the start.
+    pub fn locked_sliders(&self) -> Vec<(usize, usize)> {
+        let contacts = self.system.joints.iter().enumerate();
+        contacts
+            .flat_map(|(c, joint)| (0..joint.sliders.len()).map(move |slider| (c, slider)))
+            .filter(|&(c, slider)| {
+                !self.events.iter().any(|event| (event.contact, event.slider) == (c, slider))
+            })
+            .collect()
+    }
+
+    /// Displacement of a dof in m at instant `t` in s; zero for a dof that does not exist.
+    pub fn displacement(&self, dof: usize, t: f64) -> f64 {
+        let found = self.path.at(self.phase(t));
+        found.map_or(0.0, |(piece, s)| self.length(dof) * value(&piece.polynomial(dof, self.system.dofs), s))
     }
 
     /// Velocity of a dof in m/s.
-    pub fn velocity(&self, _dof: usize, _t: f64) -> f64 {
-        0.0
+    pub fn velocity(&self, dof: usize, t: f64) -> f64 {
+        self.path.at(self.phase(t)).map_or(0.0, |(piece, s)| {
+            let slope = derivative(&piece.polynomial(dof, self.system.dofs));
+            self.length(dof) * self.system.omega * value(&slope, s) / piece.length
+        })
     }
 
     /// Force of a contact on its first body in N.
-    pub fn contact_force(&self, _contact: usize, _t: f64) -> f64 {
-        0.0
+    pub fn contact_force(&self, contact: usize, t: f64) -> f64 {
+        let found = self.path.at(self.phase(t));
+        found.map_or(0.0, |(piece, s)| -self.system.force() * force(&self.system, piece, contact, s))
     }
 
     /// `W_0 … W_highest` of a dof in m, one-sided.
-    pub fn spectrum(&self, _dof: usize, _highest: usize) -> Vec<Complex64> {
-        Vec::new()
+    pub fn spectrum(&self, dof: usize, highest: usize) -> Vec<Complex64> {
+        let coefficients = displacement_coefficients(&self.system, &self.path, dof, highest);
+        coefficients.into_iter().map(|(value, _)| value * self.length(dof)).collect()
     }
 
     /// `F_0 … F_highest` of a contact's force on its first body in N, one-sided.
-    pub fn force_spectrum(&self, _contact: usize, _highest: usize) -> Vec<Complex64> {
-        Vec::new()
+    pub fn force_spectrum(&self, contact: usize, highest: usize) -> Vec<Complex64> {
+        let coefficients = force_coefficients(&self.system, &self.path, contact, highest);
+        coefficients.into_iter().map(|(value, _)| -value * self.system.force()).collect()
     }
 
     /// `√(Σ_k |W_k|²)` of a dof in m over all harmonics, from the mean square (the mean counts fully).
-    pub fn norm(&self, _dof: usize) -> f64 {
-        0.0
+    pub fn norm(&self, dof: usize) -> f64 {
+        // Parseval: ⟨w²⟩ = W_0² + ½ Σ_{k≥1} |W_k|²
+        let over_period = |power: i32| {
+            let y = |piece: &Piece, s: f64| value(&piece.polynomial(dof, self.system.dofs), s).powi(power);
+            integrate(&self.path, y) / std::f64::consts::TAU
+        };
+        let mean = over_period(1);
+        self.length(dof) * (2.0 * over_period(2) - mean * mean).max(0.0).sqrt()
     }
 
     /// Smallest and largest displacement of a dof in m.
-    pub fn range(&self, _dof: usize) -> (f64, f64) {
-        (0.0, 0.0)
+    pub fn range(&self, dof: usize) -> (f64, f64) {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut roots = Vec::new();
+        for piece in &self.path.pieces {
+            let y = piece.polynomial(dof, self.system.dofs);
+            roots.clear();
+            sign_changes(&derivative(&y), &mut roots);
+            for s in roots.iter().copied().chain([0.0]) {
+                let at = value(&y, s);
+                (low, high) = (low.min(at), high.max(at));
+            }
+        }
+        (self.length(dof) * low, self.length(dof) * high)
     }
 
     /// Energy in J that a contact dissipates in a period.
-    pub fn dissipation(&self, _contact: usize) -> f64 {
-        0.0
+    pub fn dissipation(&self, contact: usize) -> f64 {
+        dissipation(&self.system, &self.path, contact) * self.system.force() * self.system.size
     }
 
     /// The state at t = 0.
     pub fn state(&self) -> State {
-        State::default()
+        let n = self.system.dofs;
+        let scaled = |from: usize, unit: f64| -> Vec<f64> {
+            let entries = self.state.iter().skip(from).take(n).zip(&self.system.root_mass);
+            entries.map(|(x, root)| x * unit / root).collect()
+        };
+        let forces = self.state.iter().skip(2 * n).zip(&self.system.sliders);
+        State {
+            displacement: scaled(0, self.system.size),
+            velocity: scaled(n, self.system.size * self.system.omega),
+            sliders: forces.map(|(force, slider)| force * slider.limit * self.system.force()).collect(),
+        }
     }
+
+    fn phase(&self, t: f64) -> f64 {
+        (t * self.system.omega).rem_euclid(std::f64::consts::TAU)
+    }
+
+    /// Metres of a unit of y.
+    fn length(&self, dof: usize) -> f64 {
+        self.system.root_mass.get(dof).map_or(0.0, |root| self.system.size / root)
+    }
+}
+
+/// `∮ x dτ`.
+fn integrate(path: &Path, x: impl Fn(&Piece, f64) -> f64) -> f64 {
+    let rule = gauss_legendre(NODES);
+    path.pieces
+        .iter()
+        .map(|piece| rule.iter().map(|(s, weight)| weight * x(piece, *s)).sum::<f64>() * piece.length)
+        .sum()
+}
+
+/// `∮ φ du`.
+fn dissipation(system: &Scaled, path: &Path, contact: usize) -> f64 {
+    let Some(joint) = system.joints.get(contact) else { return 0.0 };
+    integrate(path, |piece, s| {
+        let rate = value(&derivative(&piece.relative(joint, system.dofs)), s) / piece.length;
+        force(system, piece, contact, s) * rate
+    })
+}
+
+/// |work of the loads − dissipation| over a period, relative to the larger.
+pub(crate) fn energy_error(system: &Scaled, path: &Path) -> f64 {
+    let n = system.dofs;
+    let power = |piece: &Piece, s: f64| {
+        let (tau, mut v) = (piece.start + s * piece.length, vec![0.0; n]);
+        piece.state(s, 1, &mut v);
+        let loads = system.loads.iter().map(|load| {
+            let turn = Complex64::cis(load.harmonic as f64 * tau);
+            load.force.iter().zip(&v).map(|(force, v)| (force * turn).re * v).sum::<f64>()
+        });
+        let mut damping = vec![0.0; n];
+        crate::scaled::add_product(&system.damping, &v, 1.0, &mut damping);
+        (loads.sum::<f64>(), damping.iter().zip(&v).map(|(d, v)| d * v).sum::<f64>())
+    };
+    let supplied = integrate(path, |piece, s| power(piece, s).0);
+    let viscous = integrate(path, |piece, s| power(piece, s).1);
+    let dissipated: f64 =
+        (0..system.joints.len()).map(|c| dissipation(system, path, c)).sum::<f64>() + viscous;
+    let size = supplied.abs().max(dissipated.abs());
+    if size > 0.0 { (supplied - dissipated).abs() / size } else { 0.0 }
 }

@@ -6,6 +6,8 @@ use contact::Law;
 use faer::Mat;
 use num_complex::Complex64;
 
+use crate::error::OrbitError;
+
 /// `Re(amplitude · e^{i · harmonic · Ωt})` in N on one dof.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
@@ -45,4 +47,48 @@ pub struct System {
     pub loads: Vec<Load>,
     /// All contacts.
     pub contacts: Vec<Contact>,
+}
+
+impl System {
+    /// Sizes, numbers and dofs, before anything is computed.
+    pub(crate) fn check(&self, frequency: f64) -> Result<(), OrbitError> {
+        if !(frequency.is_finite() && frequency > 0.0) {
+            return Err(OrbitError::Frequency { frequency });
+        }
+        let dofs = self.mass.nrows();
+        if dofs == 0 {
+            return Err(OrbitError::Empty);
+        }
+        for (name, matrix) in
+            [("mass", &self.mass), ("damping", &self.damping), ("stiffness", &self.stiffness)]
+        {
+            let (rows, columns) = (matrix.nrows(), matrix.ncols());
+            if (rows, columns) != (dofs, dofs) {
+                return Err(OrbitError::Size { matrix: name, rows, columns, dofs });
+            }
+            if !(0..dofs).all(|j| matrix.col(j).iter().all(|entry| entry.is_finite())) {
+                return Err(OrbitError::NotFinite { what: format!("an entry of the {name} matrix") });
+            }
+        }
+        for (index, load) in self.loads.iter().enumerate() {
+            let what = format!("load {index}");
+            inside(&what, load.dof, dofs)?;
+            if !load.amplitude.is_finite() {
+                return Err(OrbitError::NotFinite { what: format!("the amplitude of {what}") });
+            }
+        }
+        for contact in &self.contacts {
+            let what = format!("contact \"{}\"", contact.name);
+            inside(&what, contact.first, dofs)?;
+            inside(&what, contact.second.unwrap_or(0), dofs)?;
+            if !(contact.scale.is_finite() && contact.scale > 0.0) {
+                return Err(OrbitError::Scale { contact: contact.name.clone(), scale: contact.scale });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn inside(what: &str, dof: usize, dofs: usize) -> Result<(), OrbitError> {
+    if dof < dofs { Ok(()) } else { Err(OrbitError::Dof { what: what.to_owned(), dof, dofs }) }
 }

@@ -66,8 +66,8 @@ impl Chart {
         if self.label_x { BOTTOM } else { BOTTOM_BARE }
     }
 
-    /// Draws the chart. The y axis is extended upwards until a legend fits beside the curves.
-    pub(super) fn draw(mut self) -> Scene {
+    /// Draws the chart, and what `add` adds to it. The y axis is extended upwards until a legend fits beside the curves.
+    pub(super) fn draw(mut self, add: &dyn Fn(&Self, &mut Scene)) -> Scene {
         let mut layout = self.layout();
         let mut legend = None;
         let step = 0.06 * (self.y.high - self.y.low);
@@ -88,10 +88,11 @@ impl Chart {
         if let Some(legend) = legend {
             legend.draw(&mut scene);
         }
+        add(&self, &mut scene);
         scene
     }
 
-    fn layout(&self) -> Layout {
+    pub(super) fn layout(&self) -> Layout {
         let x_format = if self.label_x { self.x.format() } else { TickFormat::Custom(blank()) };
         let mut layout = Layout::new((self.x.low, self.x.high), (self.y.low, self.y.high))
             .with_width(self.width)

@@ -19,7 +19,17 @@ pub const COLUMN: f64 = 340.0;
 
 /// Charts row by row in `columns` columns under a common title (may be empty), as SVG. Charts that ask for a legend have
 /// it inside. When none does, in one column the first chart carries it, and several columns have it in a row above.
-pub fn sheet(title: &str, columns: usize, mut charts: Vec<Chart>) -> String {
+pub fn sheet(title: &str, columns: usize, charts: Vec<Chart>) -> String {
+    decorated(title, columns, charts, &|_, _| ())
+}
+
+/// The same with something more in every chart: `add` gets it as it is drawn, and its drawing.
+pub(super) fn decorated(
+    title: &str,
+    columns: usize,
+    mut charts: Vec<Chart>,
+    add: &dyn Fn(&Chart, &mut Scene),
+) -> String {
     let columns = columns.max(1);
     let column_width = charts.iter().map(|chart| chart.width).fold(0.0, f64::max);
     let rows: Vec<f64> =
@@ -53,7 +63,7 @@ pub fn sheet(title: &str, columns: usize, mut charts: Vec<Chart>) -> String {
         let (row, column) = (i / columns, i % columns);
         let x = column as f64 * column_width;
         let y = head + rows.iter().take(row).sum::<f64>();
-        let panel = chart.draw();
+        let panel = chart.draw(add);
         sheet.add(Primitive::GroupStart {
             transform: Some(format!("translate({x:.2},{y:.2})")),
             title: None,

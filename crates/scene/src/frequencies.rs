@@ -147,11 +147,19 @@ impl std::error::Error for BadFrequencies {}
 impl FromStr for Frequencies {
     type Err = BadFrequencies;
 
-    /// Reads `FROM:TO:POINTS` or `FROM:TO:POINTS:log`.
+    /// Reads `FROM:TO:POINTS`, `FROM:TO:POINTS:log` or a list, `57,62,75`.
     fn from_str(text: &str) -> Result<Self, BadFrequencies> {
         let refuse = |why: String| {
-            Err(BadFrequencies(format!("{why}; write FROM:TO:POINTS[:log], for example 20:200:721")))
+            let forms = "write FROM:TO:POINTS[:log] or a list, for example 20:200:721 or 57,62,75";
+            Err(BadFrequencies(format!("{why}; {forms}")))
         };
+        if !text.contains(':') {
+            let hertz = |text: &str| text.trim().parse().ok().filter(|f| f64::is_finite(*f) && *f >= 0.0);
+            return match text.split(',').map(hertz).collect::<Option<Vec<f64>>>() {
+                Some(list) => Ok(Self(list)),
+                None => refuse(format!("{text:?} is no list of frequencies in Hz")),
+            };
+        }
         let parts: Vec<&str> = text.split(':').map(str::trim).collect();
         let (from, to, points, spacing) = match parts.as_slice() {
             [from, to, points] | [from, to, points, "linear"] => (from, to, points, Spacing::Linear),
@@ -227,8 +235,13 @@ mod tests {
         assert_eq!(short.0, read(r#"{"from": 20, "to": 200, "points": 721}"#).unwrap());
         let log: Frequencies = "1:100:3:log".parse().unwrap();
         assert_eq!(log.0, read(r#"{"from": 1, "to": 100, "points": 3, "spacing": "log"}"#).unwrap());
+        assert_eq!("57, 62,75".parse::<Frequencies>().unwrap().0, [57.0, 62.0, 75.0]);
+        assert_eq!("57".parse::<Frequencies>().unwrap().0, [57.0]);
         for text in [
             "",
+            "57,",
+            "57,-1",
+            "nan",
             "1:2",
             "0:2:3",
             "1:2:1",

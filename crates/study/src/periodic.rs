@@ -38,7 +38,7 @@ pub(crate) fn half_range(spectrum: &[Complex64]) -> f64 {
     let (displacement, velocity) = samples(spectrum, count);
     let mut points = TurningPoints::default();
     let motion =
-        Motion { spectrum, displacement: &displacement, velocity: &velocity, omega: 1.0, odd: false };
+        Motion { spectrum, displacement: &displacement, velocity: &velocity, odd: false, omega: 1.0 };
     match points.find(&motion) {
         Ok(()) => points.amplitude(),
         Err(_) => 0.0,

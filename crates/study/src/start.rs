@@ -21,7 +21,7 @@ pub(crate) fn state(system: &System, plan: &Plan, solution: &Solution) -> State 
     for (contact, report) in system.contacts.iter().zip(&solution.contacts) {
         if let Mechanism::Sliders { sliders, .. } = contact.law.mechanism() {
             let path = relative_displacement(plan, &report.displacement);
-            state.sliders.extend(sliders.iter().map(|slider| settled(slider, &path)));
+            state.sliders.extend(sliders.iter().map(|slider| contact.scale * settled(slider, &path)));
         }
     }
     state

@@ -5,7 +5,7 @@ use std::fmt;
 use contact::Mechanism;
 use hbm::{Plan, Settings, Solution, Status};
 use num_complex::Complex64;
-use orbit::Orbit;
+use orbit::{Orbit, OrbitError};
 use scene::Scene;
 use thiserror::Error;
 
@@ -149,11 +149,13 @@ impl<'s> Truths<'s> {
     /// [`NoTruth`] when there is neither.
     pub fn at(&self, hertz: f64) -> Result<Truth, NoTruth> {
         let solution = self.plan.solve(hertz, &mut self.plan.workspace());
-        let no_orbit = match self.orbit(hertz, &solution) {
-            Some(Ok(orbit)) => return Ok(self.orbit_truth(hertz, &orbit, &solution)),
-            Some(Err(error)) => Some(error.to_string()),
-            None => None,
-        };
+        let mut no_orbit = None;
+        if self.has_orbits && hertz > 0.0 {
+            match self.beside(hertz, &solution) {
+                Ok(orbit) => return Ok(self.orbit_truth(hertz, &orbit, &solution)),
+                Err(error) => no_orbit = Some(error.to_string()),
+            }
+        }
         match (solution.status, no_orbit) {
             (Status::Failed(reason), Some(why)) => {
                 let why = format!("{why}; with {} harmonics {reason}", self.harmonics);
@@ -167,21 +169,24 @@ impl<'s> Truths<'s> {
         }
     }
 
-    /// The exact orbit at `hertz` beside the solution; `None` where the scene has none.
-    fn orbit(&self, hertz: f64, solution: &Solution) -> Option<Result<Orbit, orbit::OrbitError>> {
-        if !self.has_orbits || hertz <= 0.0 {
-            return None;
-        }
+    /// The exact orbit at `hertz`, beside the harmonic solution where there are several.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn orbit(&self, hertz: f64) -> Result<Orbit, OrbitError> {
+        self.beside(hertz, &self.plan.solve(hertz, &mut self.plan.workspace()))
+    }
+
+    fn beside(&self, hertz: f64, solution: &Solution) -> Result<Orbit, OrbitError> {
         let system = system(self.scene, hertz);
         let usual = orbit::Settings::default();
         let start = solution.status.solved().then(|| start::state(&system, &self.plan, solution));
         let beside = orbit::Settings { start, ..usual.clone() };
         let found = orbit::find(&system, hertz, &beside);
-        Some(if found.is_err() && beside.start.is_some() {
-            orbit::find(&system, hertz, &usual).or(found)
-        } else {
-            found
-        })
+        if found.is_err() && beside.start.is_some() {
+            return orbit::find(&system, hertz, &usual).or(found);
+        }
+        found
     }
 
     fn outputs(&self) -> &[usize] {

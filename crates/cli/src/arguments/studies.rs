@@ -1,0 +1,96 @@
+//! Arguments of the commands that look at how good solutions are.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+use scene::Frequencies;
+
+use super::{FREQUENCIES, TableFormat, TextFormat};
+
+pub const TRUNCATION: &str = "\
+Solutions with N harmonics are compared with the exact periodic motion where every contact law has a mechanism that can \
+be followed in time, else with a solution of far more harmonics. The error is the relative l2 error of the displacement \
+spectrum, the worst of the output dofs; the errors of |W_1|, of the peak and of the dissipated energy stand beside it.
+
+Examples:
+  stickslip truncation blade.json --frequencies 57,75,108
+  stickslip truncation blade.json --harmonics 1,3,7,15,31,63 --plot error.svg
+  stickslip truncation blade.json --harmonics 15 --require 1e-3      for CI: exit code 1 when it is missed
+  stickslip truncation blade.json | jq '.rows[] | select(.harmonics == 15) | .error'";
+
+/// `stickslip truncation`.
+#[derive(Debug, Args)]
+pub struct TruncationArguments {
+    /// The scene's file, JSON
+    pub scene: PathBuf,
+    /// Numbers of harmonics to compare; those below an excited harmonic are skipped
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', default_value = "1,3,7,15,31")]
+    pub harmonics: Vec<usize>,
+    /// Exit with code 1 unless the largest N has at most this error at every frequency
+    #[arg(long, value_name = "TOLERANCE", value_parser = tolerance, allow_negative_numbers = true)]
+    pub require: Option<f64>,
+    /// Other frequencies than the scene's, in Hz
+    #[arg(long, value_name = FREQUENCIES)]
+    pub frequencies: Option<Frequencies>,
+    /// Threads that look for the truth; solutions are timed one after the other [default: one a core]
+    #[arg(long, value_name = "T")]
+    pub threads: Option<NonZeroUsize>,
+    /// Form of the answer [default: by the extension of -o, text to a terminal, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<TableFormat>,
+    /// Write the answer to FILE, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Draw the error against N, a curve a frequency
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub plot: Option<PathBuf>,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(tolerance) if f64::is_finite(tolerance) && tolerance > 0.0 => Ok(tolerance),
+        _ => Err("must be a positive relative error, for example 1e-3".into()),
+    }
+}
+
+pub const ORBIT: &str = "\
+Every contact law must have a mechanism that can be followed in time: elastic Coulomb elements and springs, one by one \
+or in parallel, and smooth forces. A measured loop has none; compare with many harmonics instead (stickslip truncation).
+
+Examples:
+  stickslip orbit elastic-coulomb.json --frequency 57
+  stickslip orbit elastic-coulomb.json --frequency 62 --plot orbit.svg --waveform orbit.csv
+  stickslip orbit elastic-coulomb.json --frequency 57 --format json | jq .events";
+
+/// `stickslip orbit`.
+#[derive(Debug, Args)]
+pub struct OrbitArguments {
+    /// The scene's file, JSON
+    pub scene: PathBuf,
+    /// The frequency of the excitation in Hz
+    #[arg(long, value_name = "HZ", value_parser = hertz, allow_negative_numbers = true)]
+    pub frequency: f64,
+    /// Harmonics of the spectrum that is reported
+    #[arg(long, value_name = "K", default_value = "31", value_parser = clap::value_parser!(u16).range(1..=4095))]
+    pub harmonics: u16,
+    /// Form of the answer [default: text to a terminal, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<TextFormat>,
+    /// Write the answer to FILE, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Write one period in time: displacements, velocities and contact forces, CSV
+    #[arg(long, value_name = "FILE.csv")]
+    pub waveform: Option<PathBuf>,
+    /// Draw displacements and contact forces over a period
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub plot: Option<PathBuf>,
+}
+
+fn hertz(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(hertz) if f64::is_finite(hertz) && hertz > 0.0 => Ok(hertz),
+        _ => Err("must be a positive number of Hz".into()),
+    }
+}

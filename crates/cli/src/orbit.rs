@@ -1,0 +1,216 @@
+//! `stickslip orbit`: the exact periodic motion at one frequency.
+
+use std::fmt::Write as _;
+use std::io::{self, IsTerminal};
+
+use num_complex::Complex64;
+use orbit::{EventKind, Orbit, OrbitError};
+use scene::{Named, Scene, Spectrum};
+use serde::Serialize;
+use study::Truths;
+
+use crate::arguments::{OrbitArguments, TextFormat, in_file, read_scene};
+use crate::check::count;
+use crate::ending::{Ending, Failure, say};
+use crate::figure::{self, Figure};
+use crate::output::{self, Output};
+
+/// Looks for the orbit and writes what was asked for.
+pub fn run(arguments: &OrbitArguments) -> Result<Ending, Failure> {
+    let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
+    output::distinct(&arguments.scene, &[&arguments.output, &arguments.waveform, &arguments.plot])?;
+    let scene = read_scene(&arguments.scene)?;
+    let truths = Truths::new(&scene, START).map_err(|error| in_file(&arguments.scene, error))?;
+    let text = arguments.output.is_none() && io::stdout().is_terminal();
+    let format = arguments.format.unwrap_or(if text { TextFormat::Text } else { TextFormat::Json });
+    let answer = Output::open(arguments.output.as_deref())?;
+    let period = arguments.waveform.as_deref().map(|path| Output::open(Some(path))).transpose()?;
+
+    let orbit = match truths.orbit(arguments.frequency) {
+        Ok(orbit) => orbit,
+        Err(error) if matches!(error, OrbitError::NoMechanism { .. }) => {
+            return Err(in_file(&arguments.scene, error));
+        }
+        Err(error) => {
+            say(format_args!("no orbit at {} Hz: {error}", arguments.frequency));
+            return Ok(Ending::SomeFailed);
+        }
+    };
+    let motion = Motion { scene: &scene, orbit: &orbit, frequency: arguments.frequency };
+    answer.write(|out| match format {
+        TextFormat::Text => out.write_all(motion.text().as_bytes()),
+        TextFormat::Json => scene::write_json(out, &motion.answer(usize::from(arguments.harmonics))),
+    })?;
+    if let Some(output) = period {
+        output.write(|out| motion.waveform(out))?;
+    }
+    if let Some(figure) = figure {
+        figure::orbit(figure, &motion)?;
+    }
+    Ok(Ending::Done)
+}
+
+/// Harmonics of the solution from which the orbit is looked for.
+const START: usize = 31;
+
+/// Instants of a period in a waveform.
+pub const INSTANTS: usize = 2048;
+
+/// Events that are listed for readers.
+const LISTED: usize = 24;
+
+/// An orbit and the names that belong to its dofs and contacts.
+pub struct Motion<'a> {
+    pub scene: &'a Scene,
+    pub orbit: &'a Orbit,
+    pub frequency: f64,
+}
+
+/// `orbit --format json`.
+#[derive(Serialize)]
+struct Answer<'a> {
+    format_version: u32,
+    scene: &'a str,
+    units: &'static str,
+    frequency: f64,
+    period: f64,
+    closure: f64,
+    energy_error: f64,
+    displacement: Named<Spectrum>,
+    amplitude: Named<f64>,
+    contacts: Named<Contact>,
+    events: Vec<Event<'a>>,
+}
+
+#[derive(Serialize)]
+struct Contact {
+    force: Spectrum,
+    dissipation: f64,
+}
+
+#[derive(Serialize)]
+struct Event<'a> {
+    time: f64,
+    contact: &'a str,
+    slider: usize,
+    begins: &'static str,
+    direction: i8,
+}
+
+impl Motion<'_> {
+    /// Names and numbers of the output dofs.
+    pub fn dofs(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.scene.output().into_iter().zip(self.scene.problem().output.iter().copied())
+    }
+
+    /// Half the peak-to-peak displacement in m.
+    fn amplitude(&self, dof: usize) -> f64 {
+        let (least, most) = self.orbit.range(dof);
+        0.5 * (most - least)
+    }
+
+    fn events(&self) -> Vec<Event<'_>> {
+        let names: Vec<&str> = self.scene.contacts().collect();
+        let event = |event: &orbit::Event| Event {
+            time: event.time,
+            contact: names.get(event.contact).copied().unwrap_or_default(),
+            slider: event.slider,
+            begins: match event.kind {
+                EventKind::Slip => "slip",
+                EventKind::Stick => "stick",
+            },
+            direction: event.direction,
+        };
+        self.orbit.events().iter().map(event).collect()
+    }
+
+    fn answer(&self, highest: usize) -> Answer<'_> {
+        let spectrum = |values: Vec<Complex64>| Spectrum(values.into_iter().enumerate().collect());
+        let named =
+            |(name, dof): (&str, usize)| (name.to_owned(), spectrum(self.orbit.spectrum(dof, highest)));
+        let contact = |(i, name): (usize, &str)| {
+            let force = spectrum(self.orbit.force_spectrum(i, highest));
+            (name.to_owned(), Contact { force, dissipation: self.orbit.dissipation(i) })
+        };
+        Answer {
+            format_version: 1,
+            scene: self.scene.name(),
+            units: "SI, Hz, rad",
+            frequency: self.frequency,
+            period: self.orbit.period(),
+            closure: self.orbit.closure(),
+            energy_error: self.orbit.energy_error(),
+            displacement: Named(self.dofs().map(named).collect()),
+            amplitude: Named(self.dofs().map(|(name, dof)| (name.to_owned(), self.amplitude(dof))).collect()),
+            contacts: Named(self.scene.contacts().enumerate().map(contact).collect()),
+            events: self.events(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let (orbit, hertz) = (self.orbit, self.frequency);
+        let mut text = format!("{} at {hertz} Hz: the exact periodic motion\n", self.scene.name());
+        // Writing to a String cannot fail.
+        for (name, dof) in self.dofs() {
+            let first = orbit.spectrum(dof, 1).get(1).map_or(0.0, |w| w.norm());
+            let _ = writeln!(text, "{name}: amplitude {:.6e} m, |W_1| {first:.6e} m", self.amplitude(dof));
+        }
+        for (i, name) in self.scene.contacts().enumerate() {
+            let _ = writeln!(text, "{name}: dissipates {:.4e} J a period", orbit.dissipation(i));
+        }
+        let events = self.events();
+        let _ = writeln!(
+            text,
+            "{} in a period of {:.6e} s",
+            count(events.len(), "event", "events"),
+            orbit.period()
+        );
+        for event in events.iter().take(LISTED) {
+            let direction = if event.direction > 0 { '+' } else { '−' };
+            let slider = if event.slider > 0 { format!(", slider {}", event.slider) } else { String::new() };
+            let Event { time, contact, begins, .. } = event;
+            let part = time / orbit.period();
+            let _ = writeln!(
+                text,
+                "  {time:.6e} s ({part:.4} T)  {contact}{slider}: {begins} begins ({direction})"
+            );
+        }
+        if events.len() > LISTED {
+            let _ = writeln!(text, "  and {} more; --format json lists all", events.len() - LISTED);
+        }
+        let _ = writeln!(
+            text,
+            "the period closes to {:.1e}; work and dissipation differ by {:.1e}",
+            orbit.closure(),
+            orbit.energy_error()
+        );
+        text
+    }
+
+    /// Instants of one period in s, its end left out.
+    pub fn instants(&self) -> impl Iterator<Item = f64> + use<> {
+        let period = self.orbit.period();
+        (0..INSTANTS).map(move |j| period * j as f64 / INSTANTS as f64)
+    }
+
+    fn waveform(&self, out: &mut dyn io::Write) -> io::Result<()> {
+        let mut table = csv::Writer::from_writer(out);
+        let mut header = vec!["time [s]".to_owned()];
+        for (name, _) in self.dofs() {
+            header.extend([format!("{name} [m]"), format!("{name} velocity [m/s]")]);
+        }
+        header.extend(self.scene.contacts().map(|name| format!("{name} force [N]")));
+        table.write_record(&header)?;
+        for time in self.instants() {
+            let mut row = vec![time];
+            for (_, dof) in self.dofs() {
+                row.extend([self.orbit.displacement(dof, time), self.orbit.velocity(dof, time)]);
+            }
+            row.extend(
+                (0..self.scene.contacts().count()).map(|contact| self.orbit.contact_force(contact, time)),
+            );
+            table.write_record(row.iter().map(|value| format!("{value:e}")))?;
+        }
+        table.flush()
+    }
+}

@@ -1,0 +1,83 @@
+//! From a system to its orbit.
+
+use std::f64::consts::TAU;
+
+use crate::error::OrbitError;
+use crate::orbit::{Orbit, energy_error};
+use crate::path::PhaseEvent;
+use crate::piecewise::Piecewise;
+use crate::scaled::Scaled;
+use crate::settings::{Event, Settings};
+use crate::shooting::{Map, close, distance};
+use crate::system::System;
+
+/// Looks for the periodic orbit of `system` at `frequency` in Hz.
+///
+/// # Errors
+/// [`OrbitError`] when there is none, or none was found.
+pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbit, OrbitError> {
+    let system = Scaled::new(system, frequency)?;
+    let start = start(&system, settings)?;
+    let mut map = Piecewise::new(&system);
+    let closed = close(&mut map, start, (system.is_odd(), true), settings)?;
+    let (path, end, passage) = map.record(&closed.state, TAU)?;
+    let mut weights = Vec::new();
+    map.weights(passage, &mut weights);
+    let closure = distance(&end, &closed.state, 1.0, &weights);
+    if closure > settings.closure {
+        let (periods, iterations) = (closed.periods, closed.iterations);
+        return Err(OrbitError::NotClosed { closure, periods, iterations });
+    }
+    if !system.sliders.is_empty() && path.events.is_empty() {
+        return Err(OrbitError::Stuck);
+    }
+    Ok(Orbit {
+        events: path.events.iter().filter_map(|event| physical(&system, event)).collect(),
+        energy_error: energy_error(&system, &path),
+        state: closed.state,
+        closure,
+        iterations: closed.iterations,
+        periods: closed.periods,
+        path,
+        system,
+    })
+}
+
+fn physical(system: &Scaled, event: &PhaseEvent) -> Option<Event> {
+    let contact = system.sliders.get(event.slider)?.contact;
+    let first = system.joints.get(contact)?.sliders.start;
+    Some(Event {
+        time: event.tau / system.omega,
+        contact,
+        slider: event.slider - first,
+        kind: event.kind,
+        direction: event.direction,
+    })
+}
+
+/// The state to start from without dimensions.
+fn start(system: &Scaled, settings: &Settings) -> Result<Vec<f64>, OrbitError> {
+    let (n, sliders) = (system.dofs, system.sliders.len());
+    let Some(state) = &settings.start else { return Ok(vec![0.0; 2 * n + sliders]) };
+    for (what, given, expected) in [
+        ("displacements", state.displacement.len(), n),
+        ("velocities", state.velocity.len(), n),
+        ("sliders", state.sliders.len(), sliders),
+    ] {
+        if given != expected {
+            return Err(OrbitError::Start { what, given, expected });
+        }
+    }
+    let weighed = |x: &[f64], unit: f64| -> Vec<f64> {
+        x.iter().zip(&system.root_mass).map(|(x, root)| x * root / unit).collect()
+    };
+    let mut out = weighed(&state.displacement, system.size);
+    out.extend(weighed(&state.velocity, system.size * system.omega));
+    let forces = state.sliders.iter().zip(&system.sliders);
+    out.extend(forces.map(|(force, slider)| (force / (slider.limit * system.force())).clamp(-1.0, 1.0)));
+    if out.iter().all(|x| x.is_finite()) {
+        Ok(out)
+    } else {
+        Err(OrbitError::NotFinite { what: "the state to start from".to_owned() })
+    }
+}

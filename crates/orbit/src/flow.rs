@@ -1,0 +1,454 @@
+//! Motion of a piecewise-linear system: the exponential series of the current linear system, step by step, from event
+//! to event.
+//!
+//! While a set of sliders sticks the system is linear,
+//!
+//! ```text
+//! M̃ y'' + D̃ y' + (K̃ + Σ_c k_c β_c β_cᵀ) y = load(τ) − Σ_c β_c constant_c
+//! ```
+//!
+//! with k_c the stiffness of contact c's spring and sticking sliders. Its solution over a step of at most one radian of
+//! the fastest motion is a Taylor series of [`TERMS`] terms, exact to rounding; that is the matrix exponential, and
+//! unlike eigenvectors it does not care about rigid-body modes, critical damping or resonance. Events are sign changes
+//! of polynomials, none of which can be missed.
+
+use crate::error::OrbitError;
+use crate::path::{Path, PhaseEvent, Piece};
+use crate::polynomial::{Polynomial, TERMS, derivative, divided_by_s, root, sign_changes, value};
+use crate::scaled::{Scaled, add_product, row_norm};
+use crate::settings::EventKind;
+use crate::tangents::Tangents;
+
+/// Steps a period beyond which something is wrong.
+const MOST_STEPS: usize = 20_000_000;
+
+/// What a slider does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Motion {
+    /// Force / limit = offset + gain · u.
+    Stick { offset: f64 },
+    /// Force / limit = direction.
+    Slip { direction: f64 },
+}
+
+/// The moving system.
+#[derive(Debug)]
+pub(crate) struct Flow<'a> {
+    pub(crate) system: &'a Scaled,
+    pub(crate) y: Vec<f64>,
+    pub(crate) v: Vec<f64>,
+    pub(crate) sliders: Vec<Motion>,
+    tau: f64,
+    /// The velocity of a contact is zero by definition: an event has just found it there.
+    zero: Vec<bool>,
+    /// (stiffness, constant) of every contact.
+    elastic: Vec<(f64, f64)>,
+    /// Directions of the contacts at the begin of the step.
+    directions: Vec<f64>,
+    coefficients: Vec<f64>,
+    roots: Vec<f64>,
+    structure: (f64, f64),
+    /// Largest |y| and |v| on the way.
+    pub(crate) peak: (f64, f64),
+}
+
+/// The next event in a step.
+#[derive(Debug, Clone, Copy)]
+enum Next {
+    /// The sliders of a contact that slip stick.
+    Stick { contact: usize },
+    /// A slider begins to slip.
+    Slip { slider: usize, direction: f64 },
+}
+
+impl<'a> Flow<'a> {
+    /// The system at τ = 0 with the given y, y' and slider forces in units of their limits.
+    pub(crate) fn new(system: &'a Scaled) -> Self {
+        let (n, contacts) = (system.dofs, system.joints.len());
+        Self {
+            system,
+            y: vec![0.0; n],
+            v: vec![0.0; n],
+            sliders: vec![Motion::Stick { offset: 0.0 }; system.sliders.len()],
+            tau: 0.0,
+            zero: vec![false; contacts],
+            elastic: vec![(0.0, 0.0); contacts],
+            directions: vec![0.0; contacts],
+            coefficients: vec![0.0; TERMS * n],
+            roots: Vec::new(),
+            structure: (row_norm(&system.damping_rate, n), row_norm(&system.stiffness_rate, n)),
+            peak: (0.0, 0.0),
+        }
+    }
+
+    /// Begins at τ = 0 in the state (y, y', forces / limits).
+    pub(crate) fn begin(&mut self, state: &[f64]) {
+        let n = self.system.dofs;
+        let (y, rest) = state.split_at(n.min(state.len()));
+        let (v, forces) = rest.split_at(n.min(rest.len()));
+        self.y.copy_from_slice(y);
+        self.v.copy_from_slice(v);
+        for ((motion, slider), force) in self.sliders.iter_mut().zip(&self.system.sliders).zip(forces) {
+            let u = self.system.joints.get(slider.contact).map_or(0.0, |joint| joint.relative(&self.y));
+            *motion = Motion::Stick { offset: force.clamp(-1.0, 1.0) - slider.gain * u };
+        }
+        self.tau = 0.0;
+        self.zero.fill(false);
+        self.peak = (0.0, 0.0);
+    }
+
+    /// The state as [`Flow::begin`] takes it.
+    pub(crate) fn state(&self, out: &mut Vec<f64>) {
+        out.clear();
+        out.extend_from_slice(&self.y);
+        out.extend_from_slice(&self.v);
+        for (motion, slider) in self.sliders.iter().zip(&self.system.sliders) {
+            out.push(match motion {
+                Motion::Slip { direction } => *direction,
+                Motion::Stick { offset } => offset + slider.gain * self.relative(slider.contact),
+            });
+        }
+    }
+
+    fn relative(&self, contact: usize) -> f64 {
+        self.system.joints.get(contact).map_or(0.0, |joint| joint.relative(&self.y))
+    }
+
+    /// Follows the motion until phase `until`, with its derivative and a record of it where asked for.
+    pub(crate) fn follow(
+        &mut self,
+        until: f64,
+        mut tangents: Option<&mut Tangents>,
+        mut path: Option<&mut Path>,
+    ) -> Result<(), OrbitError> {
+        let mut without_progress = 0;
+        for _ in 0..MOST_STEPS {
+            if self.tau >= until {
+                return Ok(());
+            }
+            let events = path.as_deref_mut().map(|path| &mut path.events);
+            let length = self.prepare(until, events, tangents.as_deref_mut());
+            let (s, next) = self.next_event();
+            let step = s * length;
+            if let Some(tangents) = tangents.as_deref_mut() {
+                tangents.step(self, length, s);
+            }
+            if let Some(path) = path.as_deref_mut().filter(|_| step > 0.0) {
+                self.record(length, s, path);
+            }
+            self.advance(
+                length,
+                s,
+                if next.is_none() && self.tau + length >= until { Some(until) } else { None },
+            );
+            if step > 1e-13 {
+                without_progress = 0;
+                self.zero.fill(false);
+            } else {
+                without_progress += 1;
+            }
+            if without_progress > 8 * (self.sliders.len() + 1) {
+                return Err(OrbitError::Chatter { time: self.tau / self.system.omega });
+            }
+            if !(self.y.iter().chain(&self.v).all(|x| x.abs() < 1e30)) {
+                return Err(OrbitError::Unbounded);
+            }
+            if let Some(next) = next {
+                let events = path.as_deref_mut().map(|path| &mut path.events);
+                self.change(next, events, tangents.as_deref_mut());
+            }
+        }
+        Err(OrbitError::Chatter { time: self.tau / self.system.omega })
+    }
+
+    /// The series of the next step, after sliders that cannot go on as they were have changed; returns its length.
+    fn prepare(
+        &mut self,
+        until: f64,
+        mut events: Option<&mut Vec<PhaseEvent>>,
+        mut tangents: Option<&mut Tangents>,
+    ) -> f64 {
+        let mut length = self.series(until);
+        // Every pass changes the state of a slider, whose contact has one direction: twice as many passes suffice.
+        for _ in 0..2 * self.sliders.len() + 1 {
+            for c in 0..self.directions.len() {
+                let direction = self.direction(c);
+                if let Some(slot) = self.directions.get_mut(c) {
+                    *slot = direction;
+                }
+            }
+            let mut changed = false;
+            for slider in 0..self.sliders.len() {
+                if let Some(next) = self.at_once(slider) {
+                    self.change(next, events.as_deref_mut(), tangents.as_deref_mut());
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+            length = self.series(until);
+        }
+        length
+    }
+
+    /// A change that is due at the begin of a step.
+    fn at_once(&self, slider: usize) -> Option<Next> {
+        let (motion, data) = (self.sliders.get(slider)?, self.system.sliders.get(slider)?);
+        let direction = *self.directions.get(data.contact)?;
+        match motion {
+            Motion::Stick { offset } => {
+                let force = offset + data.gain * self.relative(data.contact);
+                (force * direction >= 1.0).then_some(Next::Slip { slider, direction })
+            }
+            Motion::Slip { direction: own } => {
+                (own * direction < 0.0).then_some(Next::Stick { contact: data.contact })
+            }
+        }
+    }
+
+    /// Coefficients of y over the longest allowed step; returns its length.
+    fn series(&mut self, until: f64) -> f64 {
+        for ((elastic, joint), c) in self.elastic.iter_mut().zip(&self.system.joints).zip(0..) {
+            *elastic = (joint.spring, 0.0);
+            let own = self.sliders.iter().zip(&self.system.sliders).filter(|(_, data)| data.contact == c);
+            for (motion, data) in own {
+                match motion {
+                    Motion::Stick { offset } => {
+                        elastic.0 += data.stiffness;
+                        elastic.1 += data.limit * offset;
+                    }
+                    Motion::Slip { direction } => elastic.1 += data.limit * direction,
+                }
+            }
+        }
+        let length = (1.0 / self.fastest()).min(until - self.tau);
+        let n = self.system.dofs;
+        let mut factor = length * length;
+        for (j, row) in self.coefficients.chunks_exact_mut(n).skip(2).enumerate() {
+            row.fill(0.0);
+            self.system.add_load(self.tau, j as i32, factor, row);
+            factor *= length / (j + 1) as f64;
+        }
+        for ((y, v), i) in self.y.iter().zip(&self.v).zip(0..) {
+            set(&mut self.coefficients, i, *y);
+            set(&mut self.coefficients, n + i, length * v);
+        }
+        for (joint, (_, constant)) in self.system.joints.iter().zip(&self.elastic) {
+            if let Some(row) = self.coefficients.get_mut(2 * n..3 * n) {
+                for (row, acceleration) in row.iter_mut().zip(&joint.acceleration) {
+                    *row -= length * length * constant * acceleration;
+                }
+            }
+        }
+        recur(self.system, &self.elastic, length, &mut self.coefficients);
+        length
+    }
+
+    /// A bound on the rate of the fastest motion: r² = ‖M̃⁻¹D̃‖ r + ‖M̃⁻¹K̃_c‖, and the highest load.
+    fn fastest(&self) -> f64 {
+        let (damping, mut stiffness) = self.structure;
+        for (joint, (k, _)) in self.system.joints.iter().zip(&self.elastic) {
+            let row = joint.acceleration.iter().fold(0.0_f64, |top, a| top.max(a.abs()));
+            stiffness += k * row * joint.ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>();
+        }
+        let rate = 0.5 * (damping + (damping * damping + 4.0 * stiffness).sqrt());
+        let highest = self.system.loads.iter().map(|load| load.harmonic).max().unwrap_or(1);
+        rate.max(highest as f64)
+    }
+
+    /// The relative velocity of a contact over the step, times its length; s times less where it begins at zero by
+    /// definition.
+    fn velocity(&self, contact: usize) -> (Polynomial, Polynomial) {
+        let Some(joint) = self.system.joints.get(contact) else { return ([0.0; TERMS], [0.0; TERMS]) };
+        let mut u = [0.0; TERMS];
+        for (u, row) in u.iter_mut().zip(self.coefficients.chunks_exact(self.system.dofs)) {
+            *u = joint.relative(row);
+        }
+        let mut rate = derivative(&u);
+        let defined = self.zero.get(contact).copied().unwrap_or(false);
+        let mut stripped = 0;
+        if let Some(first) = rate.first_mut().filter(|_| defined) {
+            *first = 0.0;
+        }
+        while rate.first() == Some(&0.0) && stripped < TERMS {
+            rate = divided_by_s(&rate);
+            stripped += 1;
+        }
+        (u, rate)
+    }
+
+    /// Direction in which a contact moves right after the begin of the step; 0 when it does not move.
+    fn direction(&self, contact: usize) -> f64 {
+        let (_, rate) = self.velocity(contact);
+        match rate.first() {
+            Some(first) if *first != 0.0 => first.signum(),
+            _ => 0.0,
+        }
+    }
+
+    /// The first event of the step, s ∈ (0, 1]; 1 when there is none.
+    fn next_event(&mut self) -> (f64, Option<Next>) {
+        let (mut earliest, mut next) = (1.0, None);
+        let mut roots = std::mem::take(&mut self.roots);
+        for (c, joint) in self.system.joints.iter().enumerate() {
+            if joint.sliders.is_empty() {
+                continue;
+            }
+            let (u, rate) = self.velocity(c);
+            roots.clear();
+            sign_changes(&rate, &mut roots);
+            let mut direction = self.directions.get(c).copied().unwrap_or(0.0);
+            let mut start = 0.0;
+            for end in roots.iter().copied().chain([f64::INFINITY]) {
+                if start >= earliest {
+                    break;
+                }
+                // From `start` to `end` the contact moves in one direction.
+                let stop = end.min(1.0);
+                let slip = joint.sliders.clone().filter_map(|slider| {
+                    let level = self.limit(slider, direction)?;
+                    (direction * (value(&u, stop) - level) > 0.0).then_some((slider, level))
+                });
+                let first = slip.min_by(|a, b| (direction * a.1).total_cmp(&(direction * b.1)));
+                if let Some((slider, level)) = first {
+                    let s = root(&u, level, (start, stop));
+                    if s < earliest {
+                        (earliest, next) = (s, Some(Next::Slip { slider, direction }));
+                    }
+                    break;
+                }
+                let comes_first = end < earliest || (end <= 1.0 && next.is_none());
+                if comes_first && joint.sliders.clone().any(|slider| self.slips(slider)) {
+                    (earliest, next) = (end, Some(Next::Stick { contact: c }));
+                    break;
+                }
+                (start, direction) = (end, -direction);
+            }
+        }
+        self.roots = roots;
+        (earliest, next)
+    }
+
+    fn slips(&self, slider: usize) -> bool {
+        matches!(self.sliders.get(slider), Some(Motion::Slip { .. }))
+    }
+
+    /// u at which a sticking slider reaches its limit in `direction`.
+    fn limit(&self, slider: usize, direction: f64) -> Option<f64> {
+        match (self.sliders.get(slider)?, self.system.sliders.get(slider)?) {
+            (Motion::Stick { offset }, data) if direction != 0.0 => Some((direction - offset) / data.gain),
+            _ => None,
+        }
+    }
+
+    /// Goes to place `s` of the step.
+    fn advance(&mut self, length: f64, s: f64, to: Option<f64>) {
+        let n = self.system.dofs;
+        for (i, (y, v)) in self.y.iter_mut().zip(&mut self.v).enumerate() {
+            let (mut position, mut rate) = (0.0, 0.0);
+            for row in self.coefficients.chunks_exact(n).rev() {
+                rate = rate * s + position;
+                position = position * s + row.get(i).copied().unwrap_or(0.0);
+            }
+            (*y, *v) = (position, rate / length);
+            self.peak = (self.peak.0.max(y.abs()), self.peak.1.max(v.abs()));
+        }
+        self.tau = to.unwrap_or(self.tau + s * length);
+    }
+
+    /// A slider changes between stick and slip.
+    fn change(
+        &mut self,
+        next: Next,
+        mut events: Option<&mut Vec<PhaseEvent>>,
+        mut tangents: Option<&mut Tangents>,
+    ) {
+        let tau = self.tau;
+        let mut note = |slider: usize, kind: EventKind, direction: f64| {
+            if let Some(events) = events.as_deref_mut() {
+                let direction = if direction > 0.0 { 1 } else { -1 };
+                events.push(PhaseEvent { tau, slider, kind, direction });
+            }
+        };
+        match next {
+            Next::Slip { slider, direction } => {
+                if let Some(motion) = self.sliders.get_mut(slider) {
+                    *motion = Motion::Slip { direction };
+                }
+                note(slider, EventKind::Slip, direction);
+                if let Some(tangents) = tangents {
+                    tangents.slips(slider);
+                }
+            }
+            Next::Stick { contact } => {
+                let u = self.relative(contact);
+                let own = self.system.joints.get(contact).map_or(0..0, |joint| joint.sliders.clone());
+                if let Some(zero) = self.zero.get_mut(contact) {
+                    *zero = true;
+                }
+                for slider in own {
+                    let (Some(motion), Some(data)) =
+                        (self.sliders.get_mut(slider), self.system.sliders.get(slider))
+                    else {
+                        continue;
+                    };
+                    if let Motion::Slip { direction } = *motion {
+                        *motion = Motion::Stick { offset: direction - data.gain * u };
+                        note(slider, EventKind::Stick, direction);
+                        if let Some(tangents) = tangents.as_deref_mut() {
+                            tangents.sticks(self.system, slider);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn record(&self, length: f64, s: f64, path: &mut Path) {
+        let n = self.system.dofs;
+        let mut coefficients = self.coefficients.clone();
+        let mut factor = 1.0;
+        for row in coefficients.chunks_exact_mut(n) {
+            row.iter_mut().for_each(|c| *c *= factor);
+            factor *= s;
+        }
+        let (start, length) = (self.tau, s * length);
+        path.pieces.push(Piece { start, length, coefficients, elastic: self.elastic.clone() });
+    }
+
+    /// (stiffness, constant) of every contact in this step.
+    pub(crate) fn elastic(&self) -> &[(f64, f64)] {
+        &self.elastic
+    }
+}
+
+/// The recursion of the series: `(j+1)(j+2) c_{j+2} = source_j − length² K c_j − length (j+1) D c_{j+1}`, K with the
+/// contacts' stiffnesses. c_0, c_1 and, in place of the others, the sources are given.
+pub(crate) fn recur(system: &Scaled, elastic: &[(f64, f64)], length: f64, coefficients: &mut [f64]) {
+    let n = system.dofs;
+    for j in 0..TERMS - 2 {
+        let Some((known, next)) = coefficients.split_at_mut_checked((j + 2) * n) else { return };
+        let (Some(c), Some(c1), Some(next)) =
+            (known.get(j * n..(j + 1) * n), known.get((j + 1) * n..), next.get_mut(..n))
+        else {
+            return;
+        };
+        add_product(&system.stiffness_rate, c, -length * length, next);
+        add_product(&system.damping_rate, c1, -length * (j + 1) as f64, next);
+        for (joint, (stiffness, _)) in system.joints.iter().zip(elastic) {
+            let pull = length * length * stiffness * joint.relative(c);
+            for (next, acceleration) in next.iter_mut().zip(&joint.acceleration) {
+                *next -= pull * acceleration;
+            }
+        }
+        let divisor = ((j + 1) * (j + 2)) as f64;
+        next.iter_mut().for_each(|next| *next /= divisor);
+    }
+}
+
+fn set(row: &mut [f64], index: usize, x: f64) {
+    if let Some(slot) = row.get_mut(index) {
+        *slot = x;
+    }
+}

@@ -1,0 +1,86 @@
+//! The period map of a piecewise-linear system.
+
+use faer::Mat;
+
+use crate::error::OrbitError;
+use crate::flow::Flow;
+use crate::path::Path;
+use crate::scaled::Scaled;
+use crate::shooting::{Map, Passage};
+use crate::tangents::Tangents;
+
+/// States are (y, y', slider forces / limits).
+pub(crate) struct Piecewise<'a> {
+    flow: Flow<'a>,
+    tangents: Tangents,
+}
+
+impl<'a> Piecewise<'a> {
+    pub(crate) fn new(system: &'a Scaled) -> Self {
+        Self { flow: Flow::new(system), tangents: Tangents::default() }
+    }
+
+    /// A passage with its record; returns the end state.
+    pub(crate) fn record(
+        &mut self,
+        from: &[f64],
+        until: f64,
+    ) -> Result<(Path, Vec<f64>, Passage), OrbitError> {
+        let (mut path, mut end) = (Path::default(), Vec::new());
+        self.flow.begin(from);
+        self.flow.follow(until, None, Some(&mut path))?;
+        self.flow.state(&mut end);
+        // A slip that went on from the period before did not begin at τ = 0.
+        let sliders = &self.flow.sliders;
+        path.events.retain(|event| {
+            let direction = f64::from(event.direction);
+            let slipping = sliders.get(event.slider) == Some(&crate::flow::Motion::Slip { direction });
+            event.tau > 0.0 || event.kind != crate::settings::EventKind::Slip || !slipping
+        });
+        Ok((path, end, Passage { peak: self.flow.peak }))
+    }
+}
+
+impl Map for Piecewise<'_> {
+    fn pass(
+        &mut self,
+        from: &[f64],
+        until: f64,
+        end: &mut Vec<f64>,
+        derivative: Option<&mut Mat<f64>>,
+    ) -> Result<Passage, OrbitError> {
+        self.flow.begin(from);
+        match derivative {
+            None => self.flow.follow(until, None, None)?,
+            Some(matrix) => {
+                self.tangents.begin(&self.flow);
+                self.flow.follow(until, Some(&mut self.tangents), None)?;
+                for j in 0..from.len() {
+                    for (i, entry) in self.tangents.column(&self.flow, j).into_iter().enumerate() {
+                        matrix[(i, j)] = entry;
+                    }
+                }
+            }
+        }
+        self.flow.state(end);
+        Ok(Passage { peak: self.flow.peak })
+    }
+
+    fn weights(&self, passage: Passage, weights: &mut Vec<f64>) {
+        let system = self.flow.system;
+        let (y, v) = passage.peak;
+        let relative = |size: f64| if size > 0.0 { 1.0 / size } else { 1.0 };
+        weights.clear();
+        weights.extend(std::iter::repeat_n(relative(y), system.dofs));
+        weights.extend(std::iter::repeat_n(relative(v), system.dofs));
+        // A force differs by its gain times a displacement.
+        weights.extend(system.sliders.iter().map(|slider| {
+            let ends = system.joints.get(slider.contact).map_or(&[][..], |joint| &joint.ends);
+            1.0 / (1.0 + slider.gain * y * ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>())
+        }));
+    }
+
+    fn admit(&self, state: &mut [f64]) {
+        state.iter_mut().skip(2 * self.flow.system.dofs).for_each(|force| *force = force.clamp(-1.0, 1.0));
+    }
+}

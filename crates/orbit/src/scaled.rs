@@ -1,0 +1,267 @@
+//! The system without dimensions: time in radians of the excitation, displacements weighed by the root of their mass.
+//!
+//! With τ = Ωt, `y_i = w_i √M_ii / X` and X the largest `|load_i| / (√M_ii Ω²)`,
+//!
+//! ```text
+//! M̃ y'' + D̃ y' + K̃ y = Re Σ_h L_h e^{ihτ} − Σ_c β_c φ_c,   u_c = β_c · y
+//! ```
+//!
+//! with `β_c = ±1/√M_ii` at the ends of contact c. Its force φ is in units of X Ω², a stiffness in units of Ω².
+
+use std::sync::Arc;
+
+use contact::{Law, Mechanism};
+use faer::Mat;
+use faer::linalg::solvers::DenseSolveCore;
+use num_complex::Complex64;
+
+use crate::error::OrbitError;
+use crate::system::System;
+
+/// Product of norms ‖M̃‖ ‖M̃⁻¹‖ beyond which the mass counts as singular.
+const SINGULAR: f64 = 1e13;
+
+/// A slider: elastic up to a limit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slider {
+    /// Contact it belongs to.
+    pub(crate) contact: usize,
+    /// k_t.
+    pub(crate) stiffness: f64,
+    /// F_s.
+    pub(crate) limit: f64,
+    /// Change of force, in units of its limit, by a unit of relative displacement.
+    pub(crate) gain: f64,
+}
+
+/// A contact.
+#[derive(Debug, Clone)]
+pub(crate) struct Joint {
+    /// β: dof and factor.
+    pub(crate) ends: Vec<(usize, f64)>,
+    /// M̃⁻¹β.
+    pub(crate) acceleration: Vec<f64>,
+    /// Stiffness of the spring beside the sliders.
+    pub(crate) spring: f64,
+    /// Its sliders among all of the system.
+    pub(crate) sliders: std::ops::Range<usize>,
+    /// Set for smooth laws.
+    pub(crate) smooth: Option<Arc<dyn Law>>,
+    /// Factor on the law's force.
+    pub(crate) scale: f64,
+}
+
+impl Joint {
+    /// Relative displacement β·y.
+    pub(crate) fn relative(&self, y: &[f64]) -> f64 {
+        self.ends.iter().map(|&(dof, factor)| factor * y.get(dof).copied().unwrap_or(0.0)).sum()
+    }
+}
+
+/// Amplitudes of one harmonic of the loads.
+#[derive(Debug, Clone)]
+pub(crate) struct HarmonicLoad {
+    pub(crate) harmonic: usize,
+    /// L_h, one a dof.
+    pub(crate) force: Vec<Complex64>,
+    /// M̃⁻¹ L_h.
+    pub(crate) acceleration: Vec<Complex64>,
+}
+
+/// The system in dimensionless form; matrices row by row.
+#[derive(Debug, Clone)]
+pub(crate) struct Scaled {
+    pub(crate) dofs: usize,
+    /// Ω in rad/s.
+    pub(crate) omega: f64,
+    /// X in m √kg.
+    pub(crate) size: f64,
+    /// √M_ii in √kg.
+    pub(crate) root_mass: Vec<f64>,
+    pub(crate) mass: Vec<f64>,
+    pub(crate) damping: Vec<f64>,
+    pub(crate) stiffness: Vec<f64>,
+    /// M̃⁻¹D̃ and M̃⁻¹K̃.
+    pub(crate) damping_rate: Vec<f64>,
+    pub(crate) stiffness_rate: Vec<f64>,
+    pub(crate) loads: Vec<HarmonicLoad>,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) sliders: Vec<Slider>,
+}
+
+impl Scaled {
+    /// Checks `system` and makes it dimensionless at `frequency` in Hz.
+    pub(crate) fn new(system: &System, frequency: f64) -> Result<Self, OrbitError> {
+        system.check(frequency)?;
+        let n = system.mass.nrows();
+        let omega = std::f64::consts::TAU * frequency;
+        let diagonal = (0..n).map(|i| system.mass.get(i, i).sqrt());
+        let root_mass: Vec<f64> = diagonal.collect();
+        if root_mass.iter().any(|root| !root.is_finite() || *root <= 0.0) {
+            return Err(OrbitError::SingularMass);
+        }
+        let mut scaled = Self {
+            dofs: n,
+            omega,
+            size: 1.0,
+            mass: weighed(&system.mass, &root_mass, 1.0),
+            damping: weighed(&system.damping, &root_mass, omega),
+            stiffness: weighed(&system.stiffness, &root_mass, omega * omega),
+            damping_rate: Vec::new(),
+            stiffness_rate: Vec::new(),
+            root_mass,
+            loads: Vec::new(),
+            joints: Vec::new(),
+            sliders: Vec::new(),
+        };
+        let mass = Mat::from_fn(n, n, |i, j| scaled.mass.get(i * n + j).copied().unwrap_or(0.0));
+        let inverse = mass.partial_piv_lu().inverse();
+        let condition = mass.norm_l2() * inverse.norm_l2();
+        if !condition.is_finite() || condition > SINGULAR {
+            return Err(OrbitError::SingularMass);
+        }
+        scaled.damping_rate = product(&inverse, &scaled.damping);
+        scaled.stiffness_rate = product(&inverse, &scaled.stiffness);
+        scaled.add_loads(system, &inverse)?;
+        scaled.add_contacts(system, &inverse)?;
+        Ok(scaled)
+    }
+
+    fn add_loads(&mut self, system: &System, inverse: &Mat<f64>) -> Result<(), OrbitError> {
+        let n = self.dofs;
+        let mut harmonics: Vec<usize> = system.loads.iter().map(|load| load.harmonic).collect();
+        harmonics.sort_unstable();
+        harmonics.dedup();
+        for harmonic in harmonics {
+            let mut force = vec![Complex64::ZERO; n];
+            for load in system.loads.iter().filter(|load| load.harmonic == harmonic) {
+                if let (Some(sum), Some(root)) = (force.get_mut(load.dof), self.root_mass.get(load.dof)) {
+                    let real_mean = Complex64::from(load.amplitude.re);
+                    *sum +=
+                        if harmonic == 0 { real_mean } else { load.amplitude } / (root * self.omega.powi(2));
+                }
+            }
+            self.loads.push(HarmonicLoad { harmonic, force, acceleration: Vec::new() });
+        }
+        let moving = self.loads.iter().filter(|load| load.harmonic > 0);
+        self.size = moving.flat_map(|load| &load.force).map(|force| force.norm()).fold(0.0, f64::max);
+        if self.size <= 0.0 {
+            return Err(OrbitError::NoExcitation);
+        }
+        for load in &mut self.loads {
+            load.force.iter_mut().for_each(|force| *force /= self.size);
+            load.acceleration = (0..n)
+                .map(|i| load.force.iter().enumerate().map(|(j, f)| f * inverse[(i, j)]).sum())
+                .collect();
+        }
+        Ok(())
+    }
+
+    fn add_contacts(&mut self, system: &System, inverse: &Mat<f64>) -> Result<(), OrbitError> {
+        let stiffness_unit = self.omega * self.omega;
+        for (index, contact) in system.contacts.iter().enumerate() {
+            let mut ends = Vec::new();
+            for (dof, sign) in [(Some(contact.first), 1.0), (contact.second, -1.0)] {
+                if let Some((dof, root)) = dof.and_then(|dof| Some((dof, self.root_mass.get(dof)?))) {
+                    ends.push((dof, sign / root));
+                }
+            }
+            let acceleration =
+                (0..self.dofs).map(|i| ends.iter().map(|&(j, beta)| inverse[(i, j)] * beta).sum()).collect();
+            let first = self.sliders.len();
+            let (mut stiffness, mut smooth) = (0.0, None);
+            match contact.law.mechanism() {
+                Mechanism::Sliders { sliders, spring } => {
+                    stiffness = contact.scale * spring / stiffness_unit;
+                    self.sliders.extend(sliders.iter().map(|slider| {
+                        let stiffness = contact.scale * slider.stiffness() / stiffness_unit;
+                        let limit = contact.scale * slider.slip_force() / (stiffness_unit * self.size);
+                        Slider { contact: index, stiffness, limit, gain: stiffness / limit }
+                    }));
+                }
+                Mechanism::Smooth(_) => smooth = Some(contact.law.clone()),
+                Mechanism::None { why } => {
+                    let (contact, law) = (contact.name.clone(), contact.law.name());
+                    return Err(OrbitError::NoMechanism { contact, law, why });
+                }
+            }
+            let sliders = first..self.sliders.len();
+            let spring = stiffness;
+            let scale = contact.scale;
+            self.joints.push(Joint { ends, acceleration, spring, sliders, smooth, scale });
+        }
+        let name = |index: usize| system.contacts.get(index).map(|contact| contact.name.clone());
+        let smooth = self.joints.iter().position(|joint| joint.smooth.is_some()).and_then(name);
+        let sliders = self.sliders.first().and_then(|slider| name(slider.contact));
+        match (smooth, sliders) {
+            (Some(smooth), Some(sliders)) => Err(OrbitError::Mixed { smooth, sliders }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Mirrored motions have mirrored forces: all laws are odd and all loads have odd harmonics.
+    pub(crate) fn is_odd(&self) -> bool {
+        let odd_law = |joint: &Joint| joint.smooth.as_ref().is_none_or(|law| law.nature().odd);
+        let at_rest = |load: &HarmonicLoad| load.force.iter().all(|force| force.norm() == 0.0);
+        self.joints.iter().all(odd_law)
+            && self.loads.iter().all(|load| load.harmonic % 2 == 1 || at_rest(load))
+    }
+
+    /// Unit of contact forces in N.
+    pub(crate) fn force(&self) -> f64 {
+        self.size * self.omega * self.omega
+    }
+
+    /// (φ, ∂φ/∂u, ∂φ/∂u') of a smooth contact.
+    pub(crate) fn smooth(&self, joint: &Joint, u: f64, rate: f64) -> (f64, f64, f64) {
+        let Some(Mechanism::Smooth(law)) = joint.smooth.as_ref().map(|law| law.mechanism()) else {
+            return (joint.spring * u, joint.spring, 0.0);
+        };
+        let (w, v) = (u * self.size, rate * self.size * self.omega);
+        let (by_w, by_v) = law.slopes(w, v);
+        let per_stiffness = joint.scale / (self.omega * self.omega);
+        (per_stiffness * law.at(w, v) / self.size, per_stiffness * by_w, joint.scale * by_v / self.omega)
+    }
+
+    /// M̃⁻¹ times the loads' derivative of order `order` at phase τ, added to `sum`.
+    pub(crate) fn add_load(&self, tau: f64, order: i32, factor: f64, sum: &mut [f64]) {
+        for load in &self.loads {
+            let h = load.harmonic as f64;
+            if load.harmonic == 0 && order > 0 {
+                continue;
+            }
+            let turn = Complex64::cis(h * tau) * Complex64::new(0.0, h).powi(order) * factor;
+            for (sum, acceleration) in sum.iter_mut().zip(&load.acceleration) {
+                *sum += (turn * acceleration).re;
+            }
+        }
+    }
+}
+
+/// `matrix_ij / (root_i root_j unit)`, row by row.
+fn weighed(matrix: &Mat<f64>, root: &[f64], unit: f64) -> Vec<f64> {
+    let entry = |(i, ri): (usize, &f64)| -> Vec<f64> {
+        root.iter().enumerate().map(|(j, rj)| matrix[(i, j)] / (ri * rj * unit)).collect()
+    };
+    root.iter().enumerate().flat_map(entry).collect()
+}
+
+/// `inverse · matrix`, row by row.
+fn product(inverse: &Mat<f64>, matrix: &[f64]) -> Vec<f64> {
+    let n = inverse.nrows();
+    let right = Mat::from_fn(n, n, |i, j| matrix.get(i * n + j).copied().unwrap_or(0.0));
+    let product = inverse * right;
+    (0..n * n).map(|at| product[(at / n, at % n)]).collect()
+}
+
+/// `out += factor · matrix x` for a matrix given row by row.
+pub(crate) fn add_product(matrix: &[f64], x: &[f64], factor: f64, out: &mut [f64]) {
+    for (out, row) in out.iter_mut().zip(matrix.chunks_exact(x.len())) {
+        *out += factor * row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
+    }
+}
+
+/// Largest sum of magnitudes in a row.
+pub(crate) fn row_norm(matrix: &[f64], columns: usize) -> f64 {
+    matrix.chunks_exact(columns).map(|row| row.iter().map(|a| a.abs()).sum()).fold(0.0, f64::max)
+}
