@@ -1,5 +1,7 @@
 //! Models with known answers, shared by the cross-crate tests and the benchmarks.
 
+pub mod orbit_models;
+
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;

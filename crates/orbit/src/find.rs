@@ -3,12 +3,13 @@
 use std::f64::consts::TAU;
 
 use crate::error::OrbitError;
-use crate::orbit::{Orbit, energy_error};
+use crate::orbit::Orbit;
 use crate::path::PhaseEvent;
 use crate::piecewise::Piecewise;
 use crate::scaled::Scaled;
 use crate::settings::{Event, Settings};
-use crate::shooting::{Map, close, distance};
+use crate::shooting::{Map, Passage, close, distance};
+use crate::smooth::Smooth;
 use crate::system::System;
 
 /// Looks for the periodic orbit of `system` at `frequency` in Hz.
@@ -18,11 +19,20 @@ use crate::system::System;
 pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbit, OrbitError> {
     let system = Scaled::new(system, frequency)?;
     let start = start(&system, settings)?;
-    let mut map = Piecewise::new(&system);
-    let closed = close(&mut map, start, (system.is_odd(), true), settings)?;
-    let (path, end, passage) = map.record(&closed.state, TAU)?;
-    let mut weights = Vec::new();
-    map.weights(passage, &mut weights);
+    let odd = system.is_odd();
+    let (closed, (path, end, _), weights) = if system.joints.iter().any(|joint| joint.smooth.is_some()) {
+        let mut map = Smooth::new(&system, settings.tolerance);
+        let closed = close(&mut map, start, (odd, false), settings)?;
+        let record = map.record(&closed.state, TAU)?;
+        let weights = weights(&map, record.2);
+        (closed, record, weights)
+    } else {
+        let mut map = Piecewise::new(&system);
+        let closed = close(&mut map, start, (odd, true), settings)?;
+        let record = map.record(&closed.state, TAU)?;
+        let weights = weights(&map, record.2);
+        (closed, record, weights)
+    };
     let closure = distance(&end, &closed.state, 1.0, &weights);
     if closure > settings.closure {
         let (periods, iterations) = (closed.periods, closed.iterations);
@@ -33,7 +43,6 @@ pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbi
     }
     Ok(Orbit {
         events: path.events.iter().filter_map(|event| physical(&system, event)).collect(),
-        energy_error: energy_error(&system, &path),
         state: closed.state,
         closure,
         iterations: closed.iterations,
@@ -41,6 +50,12 @@ pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbi
         path,
         system,
     })
+}
+
+fn weights(map: &dyn Map, passage: Passage) -> Vec<f64> {
+    let mut weights = Vec::new();
+    map.weights(passage, &mut weights);
+    weights
 }
 
 fn physical(system: &Scaled, event: &PhaseEvent) -> Option<Event> {

@@ -10,6 +10,7 @@
 //! `M ẅ + D ẇ + C w = f_ext(t) − Σ contacts`; one-sided complex amplitudes `w(t) = Re Σ W_k e^{ikΩt}`; SI units,
 //! frequencies in Hz. Contact forces are given as they act on the first body.
 
+mod collocation;
 mod dynamic_stiffness;
 mod error;
 mod find;
@@ -22,9 +23,12 @@ mod quadrature;
 mod scaled;
 mod settings;
 mod shooting;
+mod smooth;
 mod spectrum;
 mod system;
 mod tangents;
+#[cfg(test)]
+mod verification;
 
 pub use error::OrbitError;
 pub use find::find;

@@ -2,10 +2,10 @@
 
 use num_complex::Complex64;
 
-use crate::path::{Path, Piece, force};
+use crate::path::{Along, Path, Piece, force, relative_velocity};
 use crate::polynomial::{derivative, sign_changes, value};
 use crate::quadrature::gauss_legendre;
-use crate::scaled::Scaled;
+use crate::scaled::{Scaled, add_product};
 use crate::settings::{Event, State};
 use crate::spectrum::{NODES, displacement_coefficients, force_coefficients};
 
@@ -18,7 +18,6 @@ pub struct Orbit {
     pub(crate) events: Vec<Event>,
     pub(crate) state: Vec<f64>,
     pub(crate) closure: f64,
-    pub(crate) energy_error: f64,
     pub(crate) iterations: usize,
     pub(crate) periods: usize,
 }
@@ -34,9 +33,14 @@ impl Orbit {
         self.closure
     }
 
-    /// |work of the loads − energy dissipated by contacts and damping| over a period, relative to the larger.
+    /// |work of the loads − energy dissipated by contacts and damping| over a period, relative to the larger, or to a
+    /// thousandth of what loads and structure exchange back and forth where hardly anything is dissipated.
     pub fn energy_error(&self) -> f64 {
-        self.energy_error
+        let (supplied, viscous, exchanged) = work(&self.system, &self.path);
+        let contacts = (0..self.system.joints.len()).map(|c| dissipation(&self.system, &self.path, c));
+        let dissipated = viscous + contacts.sum::<f64>();
+        let size = supplied.abs().max(dissipated.abs()).max(1e-3 * exchanged);
+        if size > 0.0 { (supplied - dissipated).abs() / size } else { 0.0 }
     }
 
     /// Steps of Newton's method, all attempts together.
@@ -84,7 +88,7 @@ impl Orbit {
     /// Force of a contact on its first body in N.
     pub fn contact_force(&self, contact: usize, t: f64) -> f64 {
         let found = self.path.at(self.phase(t));
-        found.map_or(0.0, |(piece, s)| -self.system.force() * force(&self.system, piece, contact, s))
+        found.map_or(0.0, |(piece, s)| -self.system.force() * force(&self.system, piece, contact)(s))
     }
 
     /// `W_0 … W_highest` of a dof in m, one-sided.
@@ -103,7 +107,10 @@ impl Orbit {
     pub fn norm(&self, dof: usize) -> f64 {
         // Parseval: ⟨w²⟩ = W_0² + ½ Σ_{k≥1} |W_k|²
         let over_period = |power: i32| {
-            let y = |piece: &Piece, s: f64| value(&piece.polynomial(dof, self.system.dofs), s).powi(power);
+            let y = |piece: &Piece| -> Along {
+                let y = piece.polynomial(dof, self.system.dofs);
+                Box::new(move |s| value(&y, s).powi(power))
+            };
             integrate(&self.path, y) / std::f64::consts::TAU
         };
         let mean = over_period(1);
@@ -157,41 +164,44 @@ impl Orbit {
 }
 
 /// `∮ x dτ`.
-fn integrate(path: &Path, x: impl Fn(&Piece, f64) -> f64) -> f64 {
+fn integrate<'a>(path: &Path, x: impl Fn(&Piece) -> Along<'a>) -> f64 {
     let rule = gauss_legendre(NODES);
-    path.pieces
-        .iter()
-        .map(|piece| rule.iter().map(|(s, weight)| weight * x(piece, *s)).sum::<f64>() * piece.length)
-        .sum()
+    let over_piece = |piece: &Piece| {
+        let x = x(piece);
+        rule.iter().map(|(s, weight)| weight * x(*s)).sum::<f64>() * piece.length
+    };
+    path.pieces.iter().map(over_piece).sum()
 }
 
 /// `∮ φ du`.
 fn dissipation(system: &Scaled, path: &Path, contact: usize) -> f64 {
-    let Some(joint) = system.joints.get(contact) else { return 0.0 };
-    integrate(path, |piece, s| {
-        let rate = value(&derivative(&piece.relative(joint, system.dofs)), s) / piece.length;
-        force(system, piece, contact, s) * rate
+    integrate(path, |piece| {
+        let (force, rate) = (force(system, piece, contact), relative_velocity(system, piece, contact));
+        Box::new(move |s| force(s) * rate(s))
     })
 }
 
-/// |work of the loads − dissipation| over a period, relative to the larger.
-pub(crate) fn energy_error(system: &Scaled, path: &Path) -> f64 {
+/// Energies of a period: supplied by the loads, dissipated by viscous damping, ∮ |power of the loads|.
+fn work(system: &Scaled, path: &Path) -> (f64, f64, f64) {
     let n = system.dofs;
-    let power = |piece: &Piece, s: f64| {
-        let (tau, mut v) = (piece.start + s * piece.length, vec![0.0; n]);
-        piece.state(s, 1, &mut v);
-        let loads = system.loads.iter().map(|load| {
-            let turn = Complex64::cis(load.harmonic as f64 * tau);
-            load.force.iter().zip(&v).map(|(force, v)| (force * turn).re * v).sum::<f64>()
-        });
-        let mut damping = vec![0.0; n];
-        crate::scaled::add_product(&system.damping, &v, 1.0, &mut damping);
-        (loads.sum::<f64>(), damping.iter().zip(&v).map(|(d, v)| d * v).sum::<f64>())
-    };
-    let supplied = integrate(path, |piece, s| power(piece, s).0);
-    let viscous = integrate(path, |piece, s| power(piece, s).1);
-    let dissipated: f64 =
-        (0..system.joints.len()).map(|c| dissipation(system, path, c)).sum::<f64>() + viscous;
-    let size = supplied.abs().max(dissipated.abs());
-    if size > 0.0 { (supplied - dissipated).abs() / size } else { 0.0 }
+    let (mut supplied, mut viscous, mut exchanged, mut v, mut damping) =
+        (0.0, 0.0, 0.0, vec![0.0; n], vec![0.0; n]);
+    let rule = gauss_legendre(NODES);
+    for piece in &path.pieces {
+        for (s, weight) in &rule {
+            let (tau, weight) = (piece.start + s * piece.length, weight * piece.length);
+            piece.state(*s, 1, &mut v);
+            let mut power = 0.0;
+            for load in &system.loads {
+                let turn = Complex64::cis(load.harmonic as f64 * tau);
+                power += load.force.iter().zip(&v).map(|(force, v)| (force * turn).re * v).sum::<f64>();
+            }
+            supplied += weight * power;
+            exchanged += weight * power.abs();
+            damping.fill(0.0);
+            add_product(&system.damping, &v, weight, &mut damping);
+            viscous += damping.iter().zip(&v).map(|(d, v)| d * v).sum::<f64>();
+        }
+    }
+    (supplied, viscous, exchanged)
 }

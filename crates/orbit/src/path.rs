@@ -1,6 +1,6 @@
 //! A followed period: pieces on which every displacement is a polynomial.
 
-use crate::polynomial::{Polynomial, TERMS, value};
+use crate::polynomial::{Polynomial, TERMS, derivative, value};
 use crate::scaled::{Joint, Scaled};
 use crate::settings::EventKind;
 
@@ -79,17 +79,24 @@ impl Path {
     }
 }
 
-/// Force of contact `c` at place `s` of a piece, in units of the scaled system.
-pub(crate) fn force(system: &Scaled, piece: &Piece, c: usize, s: f64) -> f64 {
-    let Some(joint) = system.joints.get(c) else { return 0.0 };
+/// A function of the place s in a piece.
+pub(crate) type Along<'a> = Box<dyn Fn(f64) -> f64 + 'a>;
+
+/// Force of contact `c` along a piece, in units of the scaled system.
+pub(crate) fn force<'a>(system: &'a Scaled, piece: &Piece, c: usize) -> Along<'a> {
+    let Some(joint) = system.joints.get(c) else { return Box::new(|_| 0.0) };
     let u = piece.relative(joint, system.dofs);
-    let displacement = value(&u, s);
-    match (&joint.smooth, piece.elastic.get(c)) {
-        (Some(_), _) => {
-            let rate = value(&crate::polynomial::derivative(&u), s) / piece.length;
-            system.smooth(joint, displacement, rate).0
-        }
-        (None, Some((stiffness, constant))) => stiffness * displacement + constant,
-        (None, None) => joint.spring * displacement,
+    if joint.smooth.is_some() {
+        let (rate, length) = (derivative(&u), piece.length);
+        return Box::new(move |s| system.smooth(joint, value(&u, s), value(&rate, s) / length).0);
     }
+    let (stiffness, constant) = piece.elastic.get(c).copied().unwrap_or((joint.spring, 0.0));
+    Box::new(move |s| stiffness * value(&u, s) + constant)
+}
+
+/// u' of a contact along a piece.
+pub(crate) fn relative_velocity<'a>(system: &Scaled, piece: &Piece, c: usize) -> Along<'a> {
+    let Some(joint) = system.joints.get(c) else { return Box::new(|_| 0.0) };
+    let (rate, length) = (derivative(&piece.relative(joint, system.dofs)), piece.length);
+    Box::new(move |s| value(&rate, s) / length)
 }

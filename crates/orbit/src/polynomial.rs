@@ -47,8 +47,9 @@ fn search(c: &Polynomial, (start, width): (f64, f64), halvings: u32, roots: &mut
     }
     let bend: f64 = rest.iter().enumerate().map(|(j, c)| (j + 2) as f64 * c.abs()).sum();
     let end: f64 = c.iter().sum();
-    let changes = constant * end < 0.0 || (end == 0.0 && *constant != 0.0);
-    if slope.abs() > bend || halvings == MOST_HALVINGS {
+    let monotone = slope.abs() > bend;
+    let changes = constant * end < 0.0 || (end == 0.0 && monotone && *constant != 0.0);
+    if monotone || halvings == MOST_HALVINGS {
         if changes {
             roots.push(start + width * root(c, 0.0, (0.0, 1.0)));
         }

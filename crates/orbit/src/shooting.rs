@@ -10,8 +10,8 @@ use crate::settings::Settings;
 
 /// Steps of Newton's method in one attempt.
 const MOST_STEPS: usize = 25;
-/// Singular values below this, relative to the largest, are directions in which nothing changes (the rest position of
-/// sliders that never slip, a rigid body): Newton's method leaves them as they are.
+/// Singular values below this, relative to one or to the largest, are directions in which nothing changes (the rest
+/// position of sliders that never slip, a rigid body): Newton's method leaves them as they are.
 const NEUTRAL: f64 = 1e-11;
 /// Closure at which nothing is left to gain.
 const ROUNDING: f64 = 1e-15;
@@ -174,7 +174,7 @@ fn direction(trial: &Trial, section: Section) -> Option<Vec<f64>> {
     let values = svd.S().column_vector();
     let largest = values.iter().fold(0.0_f64, |top, s| top.max(*s));
     let mut change = vec![0.0; n];
-    for (q, value) in values.iter().enumerate().filter(|(_, value)| **value > NEUTRAL * largest) {
+    for (q, value) in values.iter().enumerate().filter(|(_, value)| **value > NEUTRAL * largest.max(1.0)) {
         let along: f64 =
             trial.residual.iter().enumerate().map(|(i, r)| svd.U()[(i, q)] * r * weight(i)).sum();
         for (j, change) in change.iter_mut().enumerate() {

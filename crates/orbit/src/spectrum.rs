@@ -18,8 +18,8 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use num_complex::Complex64;
 
 use crate::dynamic_stiffness::{matrix, row_of_inverse};
-use crate::path::{Path, Piece, force};
-use crate::polynomial::{derivative, value};
+use crate::path::{Along, Path, Piece, force, relative_velocity};
+use crate::polynomial::value;
 use crate::quadrature::gauss_legendre;
 use crate::scaled::{Joint, Scaled};
 
@@ -46,14 +46,15 @@ struct Mode {
 pub(crate) fn force_coefficients(system: &Scaled, path: &Path, c: usize, highest: usize) -> Vec<Coefficient> {
     let Some(joint) = system.joints.get(c) else { return Vec::new() };
     if joint.smooth.is_some() {
-        return direct(path, highest, |piece, s| force(system, piece, c, s));
+        return direct(path, highest, |piece| force(system, piece, c));
     }
-    let rate = |piece: &Piece, s: f64| {
+    let rate = |piece: &Piece| -> Along {
         let stiffness = piece.elastic.get(c).map_or(joint.spring, |elastic| elastic.0);
-        stiffness * value(&derivative(&piece.relative(joint, system.dofs)), s) / piece.length
+        let velocity = relative_velocity(system, piece, c);
+        Box::new(move |s| stiffness * velocity(s))
     };
     let mut out = closed(system, &modes(system, path), (c, joint), highest);
-    let peak = peak(path, rate);
+    let peak = peak(path, &rate);
     // Beyond this order quadrature is never better.
     let last = out.iter().enumerate().rposition(|(k, entry)| entry.1 > bound(peak) / (k.max(1)) as f64);
     let by_quadrature = direct(path, last.unwrap_or(0), rate);
@@ -64,7 +65,7 @@ pub(crate) fn force_coefficients(system: &Scaled, path: &Path, c: usize, highest
         }
     }
     if let (Some(mean), Some(found)) =
-        (out.first_mut(), direct(path, 0, |piece, s| force(system, piece, c, s)).first())
+        (out.first_mut(), direct(path, 0, |piece| force(system, piece, c)).first())
     {
         *mean = *found;
     }
@@ -81,8 +82,11 @@ pub(crate) fn displacement_coefficients(
     let n = system.dofs;
     let forces: Vec<_> =
         (0..system.joints.len()).map(|c| force_coefficients(system, path, c, highest)).collect();
-    let position = |piece: &Piece, s: f64| value(&piece.polynomial(dof, n), s);
-    let floor = bound(peak(path, position));
+    let position = |piece: &Piece| -> Along {
+        let y = piece.polynomial(dof, n);
+        Box::new(move |s| value(&y, s))
+    };
+    let floor = bound(peak(path, &position));
     let free = vec![0.0; system.joints.len()];
     let balance = |k: usize| -> Coefficient {
         let unit = |i: usize| Complex64::from(if i == dof { 1.0 } else { 0.0 });
@@ -119,21 +123,26 @@ fn bound(peak: f64) -> f64 {
     2.0 * f64::EPSILON * peak
 }
 
-fn peak(path: &Path, value: impl Fn(&Piece, f64) -> f64) -> f64 {
-    path.pieces.iter().flat_map(|piece| [0.0, 0.5, 1.0].map(|s| value(piece, s).abs())).fold(0.0, f64::max)
+fn peak<'a>(path: &Path, x: &impl Fn(&Piece) -> Along<'a>) -> f64 {
+    let in_piece = |piece: &Piece| {
+        let x = x(piece);
+        [0.0, 0.5, 1.0].map(|s| x(s).abs()).into_iter().fold(0.0, f64::max)
+    };
+    path.pieces.iter().map(in_piece).fold(0.0, f64::max)
 }
 
 /// `(1/π) ∮ x e^{−ikτ} dτ` (half of it for k = 0), k = 0..=highest, by quadrature.
-fn direct(path: &Path, highest: usize, x: impl Fn(&Piece, f64) -> f64) -> Vec<Coefficient> {
+fn direct<'a>(path: &Path, highest: usize, x: impl Fn(&Piece) -> Along<'a>) -> Vec<Coefficient> {
     let rule = gauss_legendre(NODES);
     let mut nodes = Vec::new();
     let mut peak = 0.0_f64;
     for piece in &path.pieces {
+        let x = x(piece);
         let panels = (highest as f64 * piece.length / PANEL).ceil().max(1.0);
         for panel in 0..panels as usize {
             for (node, weight) in &rule {
                 let s = (panel as f64 + node) / panels;
-                let sample = x(piece, s);
+                let sample = x(s);
                 peak = peak.max(sample.abs());
                 let amount = sample * weight * piece.length / panels * FRAC_1_PI;
                 nodes.push((piece.start + s * piece.length, Complex64::from(amount)));

@@ -1,0 +1,96 @@
+//! The derivative of the period map against central differences.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use contact::{Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters};
+use contact::{Iwan, Law};
+use faer::{Mat, mat};
+use num_complex::Complex64;
+
+use crate::piecewise::Piecewise;
+use crate::scaled::Scaled;
+use crate::shooting::Map;
+use crate::smooth::Smooth;
+use crate::{Contact, Load, System};
+
+fn system(laws: [Arc<dyn Law>; 2]) -> System {
+    let [first, second] = laws;
+    let contact =
+        |name: &str, first, second, law, scale| Contact { name: name.into(), first, second, law, scale };
+    let load = |dof, harmonic, re, im| Load { dof, harmonic, amplitude: Complex64::new(re, im) };
+    System {
+        mass: mat![[4.0, 0.1, 0.0], [0.1, 1.3, 0.0], [0.0, 0.0, 0.8]],
+        damping: mat![[24.0, 0.0, 0.0], [0.0, 20.0, -3.0], [0.0, -3.0, 9.0]],
+        stiffness: mat![[9e5, -4e5, 0.0], [-4e5, 7e5, -2e5], [0.0, -2e5, 5e5]],
+        loads: vec![load(1, 1, 9.0, 1.0), load(2, 2, -1.0, 3.0), load(2, 0, 2.0, 0.0)],
+        contacts: vec![contact("a", 0, None, first, 1.5), contact("b", 1, Some(2), second, 1.0)],
+    }
+}
+
+fn check(map: &mut dyn Map, state: &[f64], until: f64, step: f64) {
+    let n = state.len();
+    let (mut derivative, mut end) = (Mat::zeros(n, n), Vec::new());
+    map.pass(state, until, &mut end, Some(&mut derivative)).unwrap();
+    let scale = derivative.norm_max();
+    let mut moved = |j: usize, h: f64| {
+        let mut from = state.to_vec();
+        from[j] += h;
+        map.pass(&from, until, &mut end, None).unwrap();
+        end.clone()
+    };
+    for j in 0..n {
+        let (up, down) = (moved(j, step), moved(j, -step));
+        for i in 0..n {
+            let slope = (up[i] - down[i]) / (2.0 * step);
+            let error = (slope - derivative[(i, j)]).abs() / scale;
+            assert!(error < 1e-7, "d x_{i} / d x_{j}: {slope} by differences, {}", derivative[(i, j)]);
+        }
+    }
+}
+
+/// A state reached after some periods, every slider drawn back from its limit: at a limit the map has no derivative
+/// outwards, where there is no state.
+fn settled(map: &mut dyn Map, size: usize) -> Vec<f64> {
+    let (mut state, mut end) = (vec![0.0; size], Vec::new());
+    for _ in 0..5 {
+        map.pass(&state, TAU, &mut end, None).unwrap();
+        std::mem::swap(&mut state, &mut end);
+    }
+    state.iter_mut().skip(6).for_each(|force| *force *= 0.7);
+    state
+}
+
+#[test]
+fn the_derivative_of_the_piecewise_linear_map_agrees_with_differences() {
+    let jenkins = ElasticCoulomb::new(ElasticCoulombParameters { stiffness: 2e6, slip_force: 2.0 }).unwrap();
+    let backbone = [[1e-6, 1.0], [3e-6, 2.0], [9e-6, 3.0], [4e-5, 4.0]];
+    let stack = Iwan::from_backbone(&backbone).unwrap();
+    let system = system([Arc::new(jenkins), Arc::new(stack)]);
+    let mut events = 0;
+    for hertz in [30.0, 70.0, 100.0] {
+        let scaled = Scaled::new(&system, hertz).unwrap();
+        let mut map = Piecewise::new(&scaled);
+        let state = settled(&mut map, 6 + scaled.sliders.len());
+        events += map.record(&state, TAU).unwrap().0.events.len();
+        for until in [0.3, PI, TAU] {
+            check(&mut map, &state, until, 1e-7);
+        }
+    }
+    assert!(events > 30, "{events}");
+}
+
+#[test]
+fn the_derivative_of_the_smooth_map_agrees_with_differences() {
+    let cubic = Cubic::new(CubicParameters { stiffness: 1e15 }).unwrap();
+    let coulomb = Coulomb::new(CoulombParameters { slip_force: 2.0, velocity: 1e-3 }).unwrap();
+    let system = system([Arc::new(cubic), Arc::new(coulomb)]);
+    for hertz in [30.0, 70.0, 100.0] {
+        let scaled = Scaled::new(&system, hertz).unwrap();
+        let mut map = Smooth::new(&scaled, 1e-14);
+        let state = settled(&mut map, 6);
+        for until in [0.3, TAU] {
+            check(&mut map, &state, until, 1e-5);
+        }
+    }
+}
