@@ -198,7 +198,7 @@ fn pictures_of_one_and_two_entries() {
     let output = run(folder.path(), &arguments);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let svg = fs::read_to_string(folder.path().join("one.svg")).unwrap();
-    assert!(svg.contains("N = 3") && svg.contains("dissipation at the peak of w2"));
+    assert!(svg.contains("N = 3") && svg.contains("dissipation at peak, w2"));
 }
 
 #[test]

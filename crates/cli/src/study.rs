@@ -219,9 +219,9 @@ fn draw(
     let name = study.dofs().get(dof).map_or("", String::as_str);
     let quantity = match arguments.quantity {
         Quantity::Amplitude => (format!("peak of {name}"), "m"),
-        Quantity::First => (format!("first harmonic at the peak of {name}"), "m"),
-        Quantity::Frequency => (format!("frequency of the peak of {name}"), "Hz"),
-        Quantity::Dissipation => (format!("dissipation at the peak of {name}"), "J"),
+        Quantity::First => (format!("first harmonic at peak, {name}"), "m"),
+        Quantity::Frequency => (format!("frequency of peak, {name}"), "Hz"),
+        Quantity::Dissipation => (format!("dissipation at peak, {name}"), "J"),
     };
     let value = |case: &FinishedCase| {
         let entry = highest(case, dof)?;

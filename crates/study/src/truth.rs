@@ -153,6 +153,7 @@ impl<'s> Truths<'s> {
         if self.has_orbits && hertz > 0.0 {
             match self.beside(hertz, &solution) {
                 Ok(orbit) => return Ok(self.orbit_truth(hertz, &orbit, &solution)),
+                Err(OrbitError::Stuck) => no_orbit = Some("every slider sticks, the motion is linear".into()),
                 Err(error) => no_orbit = Some(error.to_string()),
             }
         }
