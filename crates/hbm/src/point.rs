@@ -109,6 +109,16 @@ impl Point {
         self.scale(0..slots);
     }
 
+    /// The balance of `condensed` in the units set before, no contact held.
+    pub(crate) fn set_again(&mut self, condensed: &Condensed, slots: usize) {
+        self.omega = condensed.omega;
+        for slot in 0..slots {
+            self.reduce(condensed, slot);
+        }
+        self.contracting = 0;
+        self.scale(0..slots);
+    }
+
     /// Adds the harmonics in `slots`, which nothing excites, to those of [`Point::set`].
     pub(crate) fn add(&mut self, condensed: &Condensed, slots: Range<usize>) {
         for slot in slots.clone() {

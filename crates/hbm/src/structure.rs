@@ -239,6 +239,52 @@ impl Structure {
         }
     }
 
+    /// `∂u/∂Ω` of the contacts in m s at forces that do not change, entry `[slot][i]`: with the motion w of all dofs under
+    /// the forces `felt` in N (entry `[slot][l]`), `∂w/∂Ω = H⁻¹ (∂f/∂Ω − ∂H/∂Ω w)`. Springs stay lent as they are.
+    pub(crate) fn frequency_slope(&self, hertz: f64, felt: &[c64], into: &mut Condensed, slope: &mut [c64]) {
+        let base = std::f64::consts::TAU * hertz;
+        let (n, contacts) = (self.mass.nrows(), into.contacts);
+        for (slot, &order) in self.orders.iter().enumerate().take(slope.len() / contacts.max(1)) {
+            let k = order as f64;
+            let omega = k * base;
+            self.factor(omega, slot, into);
+            let Condensed { rhs, scale, lu, .. } = &mut *into;
+            let loads = self.loads.get(slot).map_or(&[][..], |loads| loads);
+            rhs.fill(c64::ZERO);
+            for load in loads {
+                let factor = if load.grows { base * base } else { 1.0 };
+                rhs[(load.dof, 0)] += load.amplitude * (factor * scale[load.dof]);
+            }
+            for (l, &(first, second)) in self.contacts.iter().enumerate() {
+                let force = felt[slot * contacts + l];
+                rhs[(first, 0)] -= force * scale[first];
+                if let Some(second) = second {
+                    rhs[(second, 0)] += force * scale[second];
+                }
+            }
+            lu.solve(rhs.as_mut().subcols_mut(0, 1));
+            let w: Vec<c64> = (0..n).map(|i| rhs[(i, 0)] * scale[i]).collect();
+            rhs.fill(c64::ZERO);
+            for load in loads.iter().filter(|load| load.grows) {
+                rhs[(load.dof, 0)] += load.amplitude * (2.0 * base * scale[load.dof]);
+            }
+            for i in 0..n {
+                let change: c64 = (0..n)
+                    .map(|j| {
+                        let slope = c64::new(-2.0 * k * omega * self.mass[(i, j)], k * self.damping[(i, j)]);
+                        slope * w[j]
+                    })
+                    .sum();
+                rhs[(i, 0)] -= change * scale[i];
+            }
+            lu.solve(rhs.as_mut().subcols_mut(0, 1));
+            for (i, &(first, second)) in self.contacts.iter().enumerate() {
+                let at = |dof: usize| rhs[(dof, 0)] * scale[dof];
+                slope[slot * contacts + i] = at(first) - second.map_or(c64::ZERO, at);
+            }
+        }
+    }
+
     /// Responses of harmonic `slot` to a unit force at every contact and to the excitation.
     fn respond(&self, slot: usize, base: f64, into: &mut Condensed) {
         let (contacts, outputs) = (into.contacts, into.outputs);
