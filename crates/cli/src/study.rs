@@ -88,7 +88,9 @@ pub fn run(arguments: &StudyArguments) -> Result<Ending, Failure> {
 fn refused(arguments: &StudyArguments, error: StudyError) -> Failure {
     match error {
         StudyError::Keeping { .. } => Failure::Output(anyhow::Error::new(error)),
-        StudyError::Unreadable { .. } | StudyError::OtherStudy { .. } => Failure::input(error),
+        StudyError::Unreadable { .. } | StudyError::OtherStudy { .. } | StudyError::Busy { .. } => {
+            Failure::input(error)
+        }
         error => in_file(&arguments.study, error),
     }
 }

@@ -142,6 +142,11 @@ impl<'s> Truths<'s> {
         self.has_orbits
     }
 
+    /// What solutions are compared with if nothing goes wrong.
+    pub fn usual(&self) -> Reference {
+        if self.has_orbits { Reference::Orbit } else { Reference::Harmonics(self.harmonics) }
+    }
+
     /// The truth at `hertz`: the exact orbit, looked for from the harmonic solution so that the same branch is found, and
     /// from rest if need be; else the harmonic solution itself.
     ///
