@@ -24,6 +24,9 @@ pub fn run(arguments: &StudyArguments) -> Result<Ending, Failure> {
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
     output::distinct(&arguments.study, &[&arguments.output, &arguments.plot])?;
     let study = Study::from_file(&arguments.study).map_err(|error| refused(arguments, error))?;
+    for file in study.files() {
+        output::distinct(&file, &[&arguments.output, &arguments.plot])?;
+    }
     let dof = drawn_dof(&study, arguments)?;
     if arguments.dry_run {
         return output::print(&plan(&study));
