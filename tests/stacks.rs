@@ -106,7 +106,13 @@ fn evaluation_allocates_nothing_after_the_first() {
     };
     let displacement: Vec<f64> = (0..samples).map(|j| at(j, 0)).collect();
     let velocity: Vec<f64> = (0..samples).map(|j| at(j, 1)).collect();
-    let motion = Motion { spectrum: &spectrum, displacement: &displacement, velocity: &velocity, odd: false };
+    let motion = Motion {
+        spectrum: &spectrum,
+        displacement: &displacement,
+        velocity: &velocity,
+        odd: false,
+        omega: 0.0,
+    };
     let mut force = vec![0.0; samples];
     for law in laws {
         let mut workspace = Workspace::new(samples);

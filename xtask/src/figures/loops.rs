@@ -157,8 +157,13 @@ impl Loops {
         let displacement: Vec<f64> = phases.iter().map(|t| a * t.cos()).collect();
         let velocity: Vec<f64> = phases.iter().map(|t| -a * t.sin()).collect();
         let spectrum = [Complex64::ZERO, Complex64::new(a, 0.0)];
-        let motion =
-            Motion { spectrum: &spectrum, displacement: &displacement, velocity: &velocity, odd: true };
+        let motion = Motion {
+            spectrum: &spectrum,
+            displacement: &displacement,
+            velocity: &velocity,
+            odd: true,
+            omega: 0.0,
+        };
         let mut force = vec![0.0; SAMPLES];
         self.law.force(&motion, &mut Workspace::new(SAMPLES), &mut force)?;
         let mut points: Vec<_> = displacement.into_iter().zip(force).collect();
