@@ -356,7 +356,8 @@ fn tmp_stress() {
     use rand::{RngExt, SeedableRng};
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
     let (mut ok, mut stuck, mut other) = (0, 0, 0);
-    let mut log = |lo: f64, hi: f64, rng: &mut rand_chacha::ChaCha8Rng| -> f64 { 10f64.powf(rng.random_range(lo..hi)) };
+    let mut log =
+        |lo: f64, hi: f64, rng: &mut rand_chacha::ChaCha8Rng| -> f64 { 10f64.powf(rng.random_range(lo..hi)) };
     let mut total = 0;
     for case in 0..600 {
         let n = rng.random_range(1..5usize);
@@ -364,40 +365,82 @@ fn tmp_stress() {
         let m: Vec<f64> = (0..n).map(|_| log(-0.5, 0.5, &mut rng)).collect();
         let d = log(-2.0, 1.5, &mut rng);
         let odd = rng.random_bool(0.5);
-        let contacts: Vec<_> = (0..rng.random_range(1..4usize)).map(|_| {
-            let first = rng.random_range(0..n);
-            let second = if n > 1 && rng.random_bool(0.4) { Some((first + 1) % n) } else { None };
-            let law: Arc<dyn Law> = if rng.random_bool(0.3) {
-                Arc::new(Iwan::from_backbone(&[[1e-6, 1.0], [3e-6, 2.0], [9e-6, 3.0], [2e-5, 3.5]]).unwrap())
-            } else { elastic_coulomb(log(4.0, 7.0, &mut rng), log(-1.0, 1.0, &mut rng)) };
-            contact(first, second, law)
-        }).collect();
+        let contacts: Vec<_> = (0..rng.random_range(1..4usize))
+            .map(|_| {
+                let first = rng.random_range(0..n);
+                let second = if n > 1 && rng.random_bool(0.4) { Some((first + 1) % n) } else { None };
+                let law: Arc<dyn Law> = if rng.random_bool(0.3) {
+                    Arc::new(
+                        Iwan::from_backbone(&[[1e-6, 1.0], [3e-6, 2.0], [9e-6, 3.0], [2e-5, 3.5]]).unwrap(),
+                    )
+                } else {
+                    elastic_coulomb(log(4.0, 7.0, &mut rng), log(-1.0, 1.0, &mut rng))
+                };
+                contact(first, second, law)
+            })
+            .collect();
         let mut loads = vec![load(rng.random_range(0..n), 1, log(0.0, 2.0, &mut rng))];
-        if !odd { loads.push(load(rng.random_range(0..n), rng.random_range(0..5usize), log(0.0, 1.0, &mut rng))); }
+        if !odd {
+            loads.push(load(rng.random_range(0..n), rng.random_range(0..5usize), log(0.0, 1.0, &mut rng)));
+        }
         let system = System {
             mass: Mat::from_fn(n, n, |i, j| if i == j { m[i] } else { 0.0 }),
             damping: Mat::from_fn(n, n, |i, j| if i == j { d * m[i] } else { 0.0 }),
-            stiffness: Mat::from_fn(n, n, |i, j| if i == j { kk[i] + kk[i + 1] } else if i == j + 1 { -kk[i] } else if j == i + 1 { -kk[j] } else { 0.0 }),
-            loads, contacts,
+            stiffness: Mat::from_fn(n, n, |i, j| {
+                if i == j {
+                    kk[i] + kk[i + 1]
+                } else if i == j + 1 {
+                    -kk[i]
+                } else if j == i + 1 {
+                    -kk[j]
+                } else {
+                    0.0
+                }
+            }),
+            loads,
+            contacts,
         };
         let hertz = log(0.7, 2.7, &mut rng);
         let t = std::time::Instant::now();
         let settings = Settings { settling_periods: 400, ..Settings::default() };
         match find(&system, hertz, &settings) {
-            Ok(orbit) => { ok += 1;
+            Ok(orbit) => {
+                ok += 1;
                 total += orbit.iterations();
-                if orbit.energy_error() > 1e-11 || orbit.settled_periods() > 8 || t.elapsed().as_millis() > 20 {
-                    println!("{case} n {n} d {d:.2e} {hertz:.1} energy {:e} per {} it {} {:?} events {}", orbit.energy_error(), orbit.settled_periods(), orbit.iterations(), t.elapsed(), orbit.events().len());
-                } }
+                if orbit.energy_error() > 1e-11 || orbit.settled_periods() > 8 || t.elapsed().as_millis() > 20
+                {
+                    println!(
+                        "{case} n {n} d {d:.2e} {hertz:.1} energy {:e} per {} it {} {:?} events {}",
+                        orbit.energy_error(),
+                        orbit.settled_periods(),
+                        orbit.iterations(),
+                        t.elapsed(),
+                        orbit.events().len()
+                    );
+                }
+            }
             Err(OrbitError::Stuck) => stuck += 1,
-            Err(e) => { other += 1; println!("{case} n {n} d {d:.2e} odd {odd} {hertz:.1} contacts {} {e} {:?}", system.contacts.len(), t.elapsed()) }
+            Err(e) => {
+                other += 1;
+                println!(
+                    "{case} n {n} d {d:.2e} odd {odd} {hertz:.1} contacts {} {e} {:?}",
+                    system.contacts.len(),
+                    t.elapsed()
+                )
+            }
         }
     }
     println!("ok {ok} stuck {stuck} other {other} iterations {total}");
     for sliders in [10, 30, 100] {
         let t = std::time::Instant::now();
         let o = orbit(&two_mass(Arc::new(iwan(sliders))), 58.0);
-        println!("iwan {sliders} {:?} events {} it {} locked {}", t.elapsed(), o.events().len(), o.iterations(), o.locked_sliders().len());
+        println!(
+            "iwan {sliders} {:?} events {} it {} locked {}",
+            t.elapsed(),
+            o.events().len(),
+            o.iterations(),
+            o.locked_sliders().len()
+        );
     }
 }
 

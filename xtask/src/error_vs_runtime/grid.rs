@@ -6,7 +6,7 @@ use scene::Scene;
 use study::work_precision::Method;
 
 /// A setting whose points together take longer than this, in s, is the last of its series.
-pub(super) const LONGEST: f64 = 3.0;
+pub(super) const LONGEST: f64 = 2.0;
 
 /// N of sampled forces; N where no truth is exact.
 const FEW: [usize; 7] = [1, 3, 7, 15, 31, 63, 127];
