@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use contact::{ContactState, Law, Linear, LinearParameters, MagnitudeLaw, PhaseLaw, ScaledLoop};
+use contact::{
+    ContactState, Cubic, CubicParameters, Law, Linear, LinearParameters, MagnitudeLaw, PhaseLaw, ScaledLoop,
+};
 use faer::{c64, mat, prelude::*};
 use hbm::{
     Contact, Damping, Excitation, ExcitationKind, FailureReason, Jacobian, Model, Plan, Problem, Settings,
@@ -241,17 +243,84 @@ fn one_contact_is_held_while_another_slides() {
     assert!(distance(&both.displacement[1..], &alone.displacement) < 1e-10);
 }
 
-#[test]
-fn an_undamped_resonance_is_named() {
+/// An undamped mass on a spring, exactly at its resonance, with any law.
+fn at_resonance(law: Arc<dyn Law>) -> (Problem, f64) {
     let problem = Problem {
         model: Model::new(mat![[1.0]], Damping::Matrix(mat![[0.0]]), mat![[4.0]]).unwrap(),
         excitation: vec![force(0, 1.0)],
-        contacts: vec![to_ground(elastic_coulomb(1.0, 1.0))],
+        contacts: vec![to_ground(law)],
         output: vec![0],
     };
-    let solution = solve(&problem, &Settings::new(3), 2.0 / TAU);
-    assert_eq!(solution.status, Status::Failed(FailureReason::SingularStructure { harmonic: 1 }));
-    assert!(solution.displacement.is_empty());
+    (problem, 2.0 / TAU)
+}
+
+/// There the structure has no receptance, and the contact alone balances the excitation: F_1 = f̂.
+#[test]
+fn a_contact_bounds_an_undamped_resonance() {
+    let cubic = Arc::new(Cubic::new(CubicParameters { stiffness: 2.0 }).unwrap());
+    let linear = Arc::new(Linear::new(LinearParameters { stiffness: 5.0 }).unwrap());
+    let friction = elastic_coulomb(3.0, 1.2);
+    let laws: [Arc<dyn Law>; 3] = [cubic, linear, friction];
+    for law in laws {
+        let first = |a: f64| law.describing_function().unwrap().first_harmonic(a).force;
+        let (problem, hertz) = at_resonance(law.clone());
+        let one = solve(&problem, &Settings::new(1), hertz);
+        assert_eq!(one.status, Status::Converged, "{}", law.name());
+        let w = one.displacement[0][0];
+        assert!((first(w.norm()) * w / w.norm() - 1.0).norm() < 1e-12, "{}: {w}", law.name());
+        // With more harmonics the first force harmonic is still f̂, and H_k W_k = −F_k above it.
+        let more = solve(&problem, &Settings::new(15), hertz);
+        assert_eq!(more.status, Status::Converged, "{}", law.name());
+        let contact = &more.contacts[0];
+        assert!((contact.force[0] + 1.0).norm() < 1e-10, "{}: {:?}", law.name(), contact.force);
+        for (slot, w) in contact.displacement.iter().enumerate().skip(1) {
+            let k = (2 * slot + 1) as f64;
+            assert!((w * (4.0 - 4.0 * k * k) - contact.force[slot]).norm() < 1e-10);
+        }
+    }
+}
+
+/// Friction of slip force F_s takes 4 F_s/π at most out of the first harmonic; and nothing out of a mode that does not
+/// move it.
+#[test]
+fn an_unbounded_resonance_is_named() {
+    let (problem, hertz) = at_resonance(elastic_coulomb(1.0, 0.7));
+    let unbounded = Status::Failed(FailureReason::SingularStructure { harmonic: 1 });
+    for harmonics in [1, 3] {
+        let solution = solve(&problem, &Settings::new(harmonics), hertz);
+        assert_eq!(solution.status, unbounded);
+        assert!(solution.displacement.is_empty());
+    }
+    let mut apart = at_resonance(elastic_coulomb(1.0, 10.0)).0;
+    apart.model = Model::new(
+        mat![[1.0, 0.0], [0.0, 1.0]],
+        Damping::Matrix(Mat::zeros(2, 2)),
+        mat![[9.0, 0.0], [0.0, 4.0]],
+    )
+    .unwrap();
+    apart.excitation = vec![force(0, 1.0), force(1, 1.0)];
+    assert_eq!(solve(&apart, &Settings::new(3), hertz).status, unbounded);
+}
+
+/// A body that only its contact holds: at rest under a static load on the spring, undetermined on a slider.
+#[test]
+fn a_free_body_is_held_by_its_contact() {
+    let free = |law: Arc<dyn Law>, harmonics: usize| {
+        let problem = Problem {
+            model: Model::new(mat![[2.0]], Damping::Matrix(mat![[1.0]]), mat![[0.0]]).unwrap(),
+            excitation: vec![Excitation { harmonic: 0, ..force(0, 3.0) }, force(0, 1.0)],
+            contacts: vec![to_ground(law)],
+            output: vec![0],
+        };
+        solve(&problem, &Settings::new(harmonics), 1.0 / TAU)
+    };
+    let held = free(Arc::new(Linear::new(LinearParameters { stiffness: 6.0 }).unwrap()), 3);
+    assert_eq!(held.status, Status::Converged);
+    assert!((held.displacement[0][0] - 0.5).norm() < 1e-13);
+    // (6 − 2 + i) W_1 = 1.
+    assert!((held.displacement[0][1] - 1.0 / Complex64::new(4.0, 1.0)).norm() < 1e-13);
+    let slides = free(elastic_coulomb(6.0, 1.0), 3);
+    assert_eq!(slides.status, Status::Failed(FailureReason::SingularStructure { harmonic: 0 }));
 }
 
 /// A static load on a spring that hardens: the root of k w + k₃ w³ = F. A friction slider gives in to it.

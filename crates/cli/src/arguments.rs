@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Harmonics, Scene};
 
-pub use studies::{OrbitArguments, TruncationArguments};
+pub use studies::{OrbitArguments, Quantity, StudyArguments, TruncationArguments};
 
 use crate::ending::Failure;
 
@@ -21,6 +21,7 @@ Examples:
   stickslip explain two-mass.json                  what this scene needs, what it leaves out, and why
   stickslip truncation two-mass.json               how many harmonics it needs
   stickslip orbit scene.json --frequency 57        the exact periodic motion at 57 Hz
+  stickslip study damper.json -o peaks.csv         a grid over entries of a scene
   stickslip loop fit record.csv                    what is in a measured loop
   stickslip loop scale loops/*.csv                 how loops scale with their amplitude
 
@@ -57,6 +58,9 @@ pub enum Command {
     /// Find the exact periodic motion at one frequency, without harmonics
     #[command(after_help = studies::ORBIT)]
     Orbit(OrbitArguments),
+    /// Solve a scene over a grid of its entries: peaks against excitation, normal load, harmonics
+    #[command(after_help = studies::STUDY)]
+    Study(StudyArguments),
     /// Look at measured friction loops
     #[command(subcommand, arg_required_else_help = true)]
     Loop(LoopCommand),

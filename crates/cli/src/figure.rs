@@ -12,6 +12,7 @@ use study::Truncation;
 use crate::ending::Failure;
 use crate::orbit::Motion;
 use crate::output::unwritable;
+use crate::study::Picture;
 
 /// A picture that can be drawn: its file has a known form and a folder to lie in.
 #[derive(Debug)]
@@ -160,6 +161,34 @@ pub fn orbit(figure: Figure, motion: &Motion) -> Result<(), Failure> {
         panels: dofs.chain(contacts).collect(),
     };
     write_orbit(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+/// Draws a quantity over one varied entry or over two.
+#[cfg(feature = "plot")]
+pub fn study(figure: Figure, picture: Picture) -> Result<(), Failure> {
+    use plot::{HeatMap, Parameter, ParameterPlot, write_heat_map, write_parameter};
+
+    let parameter = |axis: &study::Axis| Parameter {
+        label: axis.pointer.clone(),
+        values: axis.values.clone(),
+        logarithmic: axis.logarithmic,
+    };
+    let Picture { axes, quantity, curves } = picture;
+    let drawn = match (axes, curves) {
+        ([x, y], curves) => {
+            let values = curves.into_iter().next_back().map(|(_, values)| values).unwrap_or_default();
+            let cells = values.chunks(y.values.len()).map(<[_]>::to_vec).collect();
+            write_heat_map(&HeatMap { x: parameter(x), y: parameter(y), quantity, cells }, &figure.0)
+        }
+        ([x], curves) => write_parameter(&ParameterPlot { x: parameter(x), quantity, curves }, &figure.0),
+        _ => return Ok(()),
+    };
+    drawn.map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn study(figure: Figure, _: Picture) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
 }
 
 #[cfg(not(feature = "plot"))]

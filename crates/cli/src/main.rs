@@ -12,6 +12,7 @@ mod manual;
 mod orbit;
 mod output;
 mod progress;
+mod study;
 mod summary;
 mod sweep;
 mod truncation;
@@ -51,6 +52,7 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Check(arguments) => check::run(arguments),
         Command::Truncation(arguments) => truncation::run(arguments),
         Command::Orbit(arguments) => orbit::run(arguments),
+        Command::Study(arguments) => study::run(arguments),
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
         Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),
         Command::Init(arguments) => init::run(arguments),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use crate::arguments::TableFormat;
+use crate::arguments::{Format, TableFormat};
 use crate::ending::{Ending, Failure};
 
 /// A result that is still to come. For a file, that it can be written is known before the work begins.
@@ -115,6 +115,19 @@ pub fn table_format(chosen: Option<TableFormat>, output: Option<&Path>) -> Resul
         Some("txt") => Ok(TableFormat::Text),
         Some(other) => Err(Failure::input(format!(
             "-o {}: no format is called .{other}; name the file .json, .csv or .txt, or add --format json",
+            path.display()
+        ))),
+    }
+}
+
+/// The form of a full result by its file's name; JSON where that has no extension.
+pub fn full_format(path: &Path) -> Result<Format, Failure> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        None | Some("json") => Ok(Format::Json),
+        Some("csv") => Ok(Format::Csv),
+        Some(other) => Err(Failure::input(format!(
+            "-o {}: no format is called .{other}; name the file .json or .csv, or add --format json",
             path.display()
         ))),
     }

@@ -16,6 +16,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub struct Progress {
     began: Instant,
     points: usize,
+    what: &'static str,
     watched: bool,
     bar: OnceLock<ProgressBar>,
 }
@@ -23,7 +24,18 @@ pub struct Progress {
 impl Progress {
     /// A bar for this many points; none when nobody watches.
     pub fn new(points: usize) -> Self {
-        Self { began: Instant::now(), points, watched: io::stderr().is_terminal(), bar: OnceLock::new() }
+        Self::of(points, "points")
+    }
+
+    /// A bar for something else than points.
+    pub fn of(points: usize, what: &'static str) -> Self {
+        Self {
+            began: Instant::now(),
+            points,
+            what,
+            watched: io::stderr().is_terminal(),
+            bar: OnceLock::new(),
+        }
     }
 
     /// So many points are finished.
@@ -35,7 +47,8 @@ impl Progress {
 
     fn draw(&self) -> ProgressBar {
         let bar = ProgressBar::new(self.points as u64);
-        let style = ProgressStyle::with_template("{bar:40} {pos}/{len} points, {eta} left");
+        let style =
+            ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {}, {{eta}} left", self.what));
         bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
     }
 

@@ -1,7 +1,6 @@
 //! `stickslip sweep`: the forced response of a scene.
 
 use std::io::{self, IsTerminal};
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use scene::{Frequencies, Outcome, Prepared, RunOptions, Solved};
@@ -103,22 +102,9 @@ fn ending(solved: &Solved) -> Ending {
 fn format(arguments: &SweepArguments) -> Result<Option<Format>, Failure> {
     let chosen = match (arguments.format, &arguments.output) {
         (Some(format), _) => Some(format),
-        (None, Some(path)) => Some(by_extension(path)?),
+        (None, Some(path)) => Some(output::full_format(path)?),
         (None, None) if io::stdout().is_terminal() => None,
         (None, None) => Some(Format::Json),
     };
     Ok(chosen)
-}
-
-/// JSON where the name has no extension.
-fn by_extension(path: &Path) -> Result<Format, Failure> {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        None | Some("json") => Ok(Format::Json),
-        Some("csv") => Ok(Format::Csv),
-        Some(other) => Err(Failure::input(format!(
-            "-o {}: no format is called .{other}; name the file .json or .csv, or add --format json",
-            path.display()
-        ))),
-    }
 }

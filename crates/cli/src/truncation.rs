@@ -33,7 +33,7 @@ pub fn run(arguments: &TruncationArguments) -> Result<Ending, Failure> {
     let interrupted = interrupt();
     let answer = Output::open(arguments.output.as_deref())?;
 
-    let progress = Progress::new(scene.frequencies().as_slice().len());
+    let progress = Progress::of(scene.frequencies().as_slice().len(), "frequencies");
     let finished = |count| progress.finished(count);
     let options = TruncationOptions {
         threads: arguments.threads.map(usize::from),

@@ -148,10 +148,13 @@ impl Balance<'_> {
         for entry in 0..slots * width {
             let (slot, row) = (entry / width, entry % width);
             let pull: c64 = (0..width)
-                .map(|l| point.receptance[entry * width + l] * buffers.forces[slot * width + l])
+                .map(|l| {
+                    let source = slot * width + l;
+                    let force = homotopy.contact * buffers.forces[source];
+                    point.receptance[entry * width + l] * point.felt(source, force, unknowns[source])
+                })
                 .sum();
-            let r = unknowns[slot * width + row] + homotopy.contact * pull
-                - homotopy.excitation * point.free[entry];
+            let r = unknowns[slot * width + row] + pull - homotopy.excitation * point.free[entry];
             buffers.residual[entry] = r * point.weight[entry];
             sum += buffers.residual[entry].norm_sqr();
         }
@@ -314,6 +317,28 @@ impl Balance<'_> {
                 if is_complex {
                     matrix[(r + 1, r + 1)] += weight;
                 }
+                self.take_back(point, slot, row, matrix);
+            }
+        }
+    }
+
+    /// The derivative of −Ĝ Ŝ û.
+    fn take_back(&self, point: &Point, slot: usize, row: usize, matrix: &mut Mat<f64>) {
+        let width = point.width();
+        let (r, is_complex) = self.real_index(width, slot, row);
+        for column in 0..width {
+            let lent = point.lent[slot * width + column];
+            if lent == c64::ZERO {
+                continue;
+            }
+            let entry = slot * width + row;
+            let slope = point.receptance[entry * width + column] * lent * point.weight[entry];
+            let (k, _) = self.real_index(width, slot, column);
+            matrix[(r, k)] -= slope.re;
+            if is_complex {
+                matrix[(r, k + 1)] += slope.im;
+                matrix[(r + 1, k)] -= slope.im;
+                matrix[(r + 1, k + 1)] -= slope.re;
             }
         }
     }

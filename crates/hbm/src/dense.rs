@@ -60,6 +60,14 @@ impl<T: ComplexField> Lu<T> {
         solve::solve_in_place(factors, factors, permutation, rhs, Par::Seq, MemStack::new(&mut self.scratch));
     }
 
+    /// Whether the smallest pivot of the last factorisation is above this fraction of the largest.
+    pub(crate) fn is_regular(&self, fraction: f64) -> bool
+    where
+        T: Magnitude,
+    {
+        self.pivot_ratio() > fraction
+    }
+
     /// Smallest over largest pivot magnitude of the last factorisation; zero or not a number when singular.
     pub(crate) fn pivot_ratio(&self) -> f64
     where

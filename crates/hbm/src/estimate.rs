@@ -167,8 +167,10 @@ impl Plan {
                         let entry = slot * outputs + o;
                         let pull: c64 = (0..width)
                             .map(|c| {
-                                let force = ws.balance[rung].forces[slot * width + c] * ws.point.force[c];
-                                ws.condensed.recovery[entry * width + c] * force
+                                let source = slot * width + c;
+                                let force = ws.balance[rung].forces[source];
+                                let felt = ws.point.felt(source, force, ws.unknowns[source]);
+                                ws.condensed.recovery[entry * width + c] * felt * ws.point.force[c]
                             })
                             .sum();
                         ws.condensed.free_output[entry] - pull

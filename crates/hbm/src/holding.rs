@@ -65,8 +65,8 @@ impl Plan {
         let last = ws.goal;
         ws.holding.fill(c64::ZERO);
         for slot in 0..self.rungs[last].slots {
-            let Workspace { point, condensed, balance, holding, .. } = ws;
-            point.holding_forces(condensed, slot, &balance[last].forces, |contact, force| {
+            let Workspace { point, condensed, balance, holding, unknowns, .. } = ws;
+            point.holding_forces(condensed, slot, &balance[last].forces, unknowns, |contact, force| {
                 holding[slot * all + contact] = force;
             });
         }

@@ -206,7 +206,8 @@ impl Plan {
                 for row in 0..width {
                     let g = ws.point.receptance[(slot * width + row) * width + column];
                     let unit = if row == column { c64::ONE } else { c64::ZERO };
-                    ws.linear.matrix[(row, column)] = unit + g * stiffness;
+                    ws.linear.matrix[(row, column)] =
+                        unit + g * (stiffness - ws.point.lent[slot * width + column]);
                 }
             }
             for row in 0..width {

@@ -10,6 +10,8 @@
 //! given as it acts **on the first body** of the contact: it opposes the motion.
 
 mod balance;
+mod continuation;
+mod course;
 mod dense;
 mod detour;
 mod error;
@@ -35,6 +37,8 @@ mod transform;
 mod verification;
 mod waveform;
 
+pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, follow};
+pub use course::{Course, EntryCourse, FrequencyCourse};
 pub use error::{ModelError, PlanError};
 pub use model::{Damping, Model};
 pub use plan::{Plan, PlanFacts, Workspace};

@@ -91,6 +91,27 @@ impl Model {
         frequencies.sort_by(f64::total_cmp);
         frequencies
     }
+
+    /// Natural frequencies in Hz of the structure with `springs` (first dof, second dof or the ground, N/m) added, each
+    /// with its half-power bandwidth φᵀ D φ/(2π φᵀ M φ) in Hz.
+    pub(crate) fn modes_with(&self, springs: &[(usize, Option<usize>, f64)]) -> Vec<(f64, f64)> {
+        let mut stiffness = self.stiffness.clone();
+        for &(first, second, k) in springs {
+            stiffness[(first, first)] += k;
+            if let Some(second) = second {
+                stiffness[(second, second)] += k;
+                stiffness[(first, second)] -= k;
+                stiffness[(second, first)] -= k;
+            }
+        }
+        let Some(modes) = Modes::of(&self.mass, &stiffness) else { return Vec::new() };
+        let damping = modes.shapes.transpose() * &self.damping * &modes.shapes;
+        let of = |(r, square): (usize, &f64)| {
+            let hertz = square.sqrt() / std::f64::consts::TAU;
+            hertz.is_finite().then(|| (hertz, damping[(r, r)].abs() / std::f64::consts::TAU))
+        };
+        modes.squares.iter().enumerate().filter_map(of).collect()
+    }
 }
 
 impl ModelError {
@@ -168,6 +189,8 @@ fn semidefinite(mass: &Mat<f64>) -> Result<(), ModelError> {
 /// needs.
 struct Modes {
     squares: Vec<f64>,
+    /// One column a mode, φᵀ M φ = 1; zero for massless directions.
+    shapes: Mat<f64>,
     /// Σ over modes of 2 ω (M φ)(M φ)ᵀ with φᵀ M φ = 1: damping of unit ratio.
     unit_damping: Mat<f64>,
 }
@@ -181,7 +204,8 @@ impl Modes {
             let omega: Vec<f64> = values.iter().map(|v| v.max(0.0).sqrt()).collect();
             let momenta = mass * &vectors;
             let weight = |r: usize| 2.0 * omega.get(r).copied().unwrap_or(0.0);
-            return Some(Self { squares: values, unit_damping: weighted_square(&momenta, weight, n) });
+            let unit_damping = weighted_square(&momenta, weight, n);
+            return Some(Self { squares: values, shapes: vectors, unit_damping });
         }
         // M φ = μ C φ with φᵀ C φ = 1 and μ = 1/ω²: massless directions have μ = 0. M-normalised φ' = φ/√μ = ω φ.
         let (values, vectors) = generalised(mass, stiffness)?;
@@ -194,7 +218,9 @@ impl Modes {
         };
         let unit_damping = weighted_square(&momenta, weight, n);
         let squares = values.iter().map(|&mu| if massless(mu) { f64::INFINITY } else { 1.0 / mu }).collect();
-        Some(Self { squares, unit_damping })
+        let norm = |r: usize| values.get(r).filter(|mu| !massless(**mu)).map_or(0.0, |mu| mu.powf(-0.5));
+        let shapes = Mat::from_fn(n, vectors.ncols(), |i, r| vectors[(i, r)] * norm(r));
+        Some(Self { squares, shapes, unit_damping })
     }
 }
 

@@ -24,7 +24,7 @@ pub(crate) struct Criteria {
 }
 
 /// Relative residual that is accepted where rounding allows no further descent.
-const FLOOR: f64 = 1e-9;
+pub(crate) const FLOOR: f64 = 1e-9;
 
 /// A last step of this relative length leaves an error of its square: no further step is needed.
 const SHORT_STEP: f64 = 1e-6;

@@ -1,8 +1,10 @@
 //! The balance at one frequency without dimensions: displacements in each law's own length, forces in its own force.
 //!
 //! ```text
-//! r_k = (û_k + μ Ĝ_k F̂_k(û) − η û⁰_k) / (1 + |Ĝ_k|) = 0
+//! r_k = (û_k + Ĝ_k (μ F̂_k(û) − Ŝ_k û_k) − η û⁰_k) / (1 + |Ĝ_k|) = 0
 //! ```
+//!
+//! Ŝ is zero but where the structure is singular (see `structure`).
 //!
 //! The row factor 1/(1 + |Ĝ|) makes the residual a displacement where the contact is soft against the structure and a
 //! force where it is stiff, so that neither loses digits and nothing is divided by a receptance that may vanish.
@@ -25,6 +27,8 @@ pub(crate) struct Point {
     pub(crate) receptance: Vec<c64>,
     /// û⁰, entry `[slot][i]`.
     pub(crate) free: Vec<c64>,
+    /// Ŝ, springs lent to the structure, entry `[slot][i]`; zero nearly always.
+    pub(crate) lent: Vec<c64>,
     /// 1/(1 + |Ĝ_ii|), entry `[slot][i]`.
     pub(crate) weight: Vec<f64>,
     /// Unit of displacement in m, one an active contact.
@@ -60,6 +64,7 @@ impl Point {
             active: Vec::with_capacity(contacts),
             receptance: vec![c64::ZERO; slots * contacts * contacts],
             free: vec![c64::ZERO; slots * contacts],
+            lent: vec![c64::ZERO; slots * contacts],
             weight: vec![1.0; slots * contacts],
             length: vec![1.0; contacts],
             force: vec![1.0; contacts],
@@ -104,6 +109,16 @@ impl Point {
         self.scale(0..slots);
     }
 
+    /// The balance of `condensed` in the units set before, no contact held.
+    pub(crate) fn set_again(&mut self, condensed: &Condensed, slots: usize) {
+        self.omega = condensed.omega;
+        for slot in 0..slots {
+            self.reduce(condensed, slot);
+        }
+        self.contracting = 0;
+        self.scale(0..slots);
+    }
+
     /// Adds the harmonics in `slots`, which nothing excites, to those of [`Point::set`].
     pub(crate) fn add(&mut self, condensed: &Condensed, slots: Range<usize>) {
         for slot in slots.clone() {
@@ -139,6 +154,7 @@ impl Point {
                 self.receptance[(slot * width + row) * width + column] = g(i, l) - through(i, column);
             }
             self.free[slot * width + row] = free(i) - through(i, width);
+            self.lent[slot * width + row] = condensed.lent[slot * all + i];
         }
     }
 
@@ -167,10 +183,12 @@ impl Point {
                         self.force[column] / self.length[row];
                 }
                 self.free[slot * width + row] /= self.length[row];
+                self.lent[slot * width + row] *= self.length[row] / self.force[row];
                 let own = self.receptance[(slot * width + row) * width + row].norm();
                 self.weight[slot * width + row] = 1.0 / (1.0 + own);
                 let pull = |column: usize| {
-                    self.receptance[(slot * width + row) * width + column].norm() * self.stiffest[column]
+                    let stiffness = self.stiffest[column] + self.lent[slot * width + column].norm();
+                    self.receptance[(slot * width + row) * width + column].norm() * stiffness
                 };
                 let factor: f64 = (0..width).map(pull).sum();
                 if factor.is_nan() || factor > CONTRACTION {
@@ -187,13 +205,21 @@ impl Point {
         rows.map(|(free, weight)| (free * weight).norm_sqr()).sum::<f64>().sqrt()
     }
 
+    /// What the structure feels of the contact force `force` at the displacement `unknown` beside the springs it was
+    /// lent: `F̂ − Ŝ û`.
+    #[inline]
+    pub(crate) fn felt(&self, entry: usize, force: c64, unknown: c64) -> c64 {
+        force - self.lent[entry] * unknown
+    }
+
     /// Harmonic `slot` of the forces in N that keep the held contacts at rest, `G_hh⁻¹ (u⁰_h − G_hf F_f)`, given the
-    /// dimensionless forces `[slot][i]` of the active ones; one value a held contact, in order.
+    /// dimensionless forces and displacements `[slot][i]` of the active ones; one value a held contact, in order.
     pub(crate) fn holding_forces(
         &mut self,
         condensed: &Condensed,
         slot: usize,
         active_forces: &[c64],
+        unknowns: &[c64],
         mut receive: impl FnMut(usize, c64),
     ) {
         let (all, width, held) = (condensed.contacts, self.active.len(), self.held.contacts.len());
@@ -206,7 +232,10 @@ impl Point {
                 .active
                 .iter()
                 .enumerate()
-                .map(|(c, &l)| g(h, l) * active_forces[slot * width + c] * self.force[c])
+                .map(|(c, &l)| {
+                    let entry = slot * width + c;
+                    g(h, l) * self.felt(entry, active_forces[entry], unknowns[entry]) * self.force[c]
+                })
                 .sum();
             self.held.rhs[(r, 0)] = condensed.free[slot * all + h] - pull;
         }

@@ -96,8 +96,12 @@ impl Plan {
             row.extend((0..slots).map(|slot| {
                 let entry = slot * outputs + o;
                 let recovery = &ws.condensed.recovery[entry * all..(entry + 1) * all];
+                let lent = &ws.condensed.lent[slot * all..(slot + 1) * all];
+                let felt = |contact: &ContactSolution, lent: &c64| {
+                    contact.force[slot] + lent * contact.displacement[slot]
+                };
                 let moved: c64 =
-                    recovery.iter().zip(contacts).map(|(r, contact)| r * contact.force[slot]).sum();
+                    recovery.iter().zip(contacts).zip(lent).map(|((r, c), lent)| r * felt(c, lent)).sum();
                 ws.condensed.free_output[entry] + moved
             }));
         }
@@ -109,6 +113,9 @@ impl Plan {
         let slots = self.slots();
         self.structure.condense(frequency, 0..slots, &mut workspace.condensed).ok()?;
         let outputs = workspace.condensed.outputs;
+        if workspace.condensed.lent[..slots * self.contacts.len()].iter().any(|lent| *lent != c64::ZERO) {
+            return None;
+        }
         let row = |o: usize| (0..slots).map(|s| workspace.condensed.free_output[s * outputs + o]).collect();
         Some((0..outputs).map(row).collect())
     }

@@ -6,6 +6,8 @@
 //! ```text
 //! φ(a) = |a + G F_1(a)| − |u⁰| = 0
 //! ```
+//!
+//! Springs S lent to a singular structure make it `|(1 − G S) a + G F_1(a)|`.
 
 use contact::DescribingFunction;
 use num_complex::Complex64;
@@ -17,6 +19,8 @@ pub(crate) struct ScalarBalance<'l> {
     pub(crate) scale: f64,
     /// G in m/N.
     pub(crate) receptance: Complex64,
+    /// 1 − G S: one, but where springs S were lent to a singular structure.
+    pub(crate) own: Complex64,
     /// u⁰ in m, not zero.
     pub(crate) free: Complex64,
     /// Amplitude in m at which the law has its character.
@@ -45,8 +49,8 @@ const MOST_NODES: usize = 240;
 impl ScalarBalance<'_> {
     fn node(&self, a: f64) -> Node {
         let first = self.law.first_harmonic(a);
-        let z = a + self.receptance * first.force * self.scale;
-        let dz = 1.0 + self.receptance * first.derivative * self.scale;
+        let z = self.own * a + self.receptance * first.force * self.scale;
+        let dz = self.own + self.receptance * first.derivative * self.scale;
         let norm = z.norm();
         let slope = if norm > 0.0 { (z.conj() * dz).re / norm } else { 0.0 };
         Node { a, z, dz, value: norm - self.free.norm(), slope }
@@ -65,7 +69,7 @@ impl ScalarBalance<'_> {
 
     /// Harmonic of the relative displacement in m that belongs to the root `a`.
     pub(crate) fn displacement(&self, a: f64) -> Complex64 {
-        let z = a + self.receptance * self.law.first_harmonic(a).force * self.scale;
+        let z = self.own * a + self.receptance * self.law.first_harmonic(a).force * self.scale;
         self.free * (a / z)
     }
 
@@ -83,8 +87,8 @@ impl ScalarBalance<'_> {
             let (here, beyond) = (self.pull(a), self.pull(2.0 * a));
             // Up to rounding, which a spring shows at large amplitudes.
             let softening = beyond <= 2.0 * here * (1.0 + 1e-12);
-            let outweighed = softening && (a > free + here || self.linear_above(a));
-            if outweighed || (!softening && here > a + free) {
+            let outweighed = softening && (a * self.own.norm() > free + here || self.linear_above(a));
+            if outweighed || (!softening && here > a * self.own.norm() + free) {
                 break;
             }
             a *= RATIO;
@@ -99,7 +103,7 @@ impl ScalarBalance<'_> {
         let (one, two, four) = (force(a), force(2.0 * a), force(4.0 * a));
         let (before, slope) = ((two - one) / a, (four - two) / (2.0 * a));
         let rest = four - slope * (4.0 * a);
-        let stiffness = (1.0 + slope).norm();
+        let stiffness = (self.own + slope).norm();
         (slope - before).norm() < 1e-3 * stiffness && a * stiffness > self.free.norm() + 2.0 * rest.norm()
     }
 
@@ -113,7 +117,7 @@ impl ScalarBalance<'_> {
         };
         let mut a = 0.5 * upper.min(free.max(self.length));
         for _ in 0..MOST_NODES {
-            if a <= floor || a + self.pull(a) < free {
+            if a <= floor || a * self.own.norm() + self.pull(a) < free {
                 break;
             }
             a /= RATIO;
@@ -250,6 +254,7 @@ mod tests {
             law: law.describing_function().unwrap(),
             scale: 1.0,
             receptance,
+            own: Complex64::ONE,
             free: Complex64::from(free),
             length: law.length().unwrap_or(free),
         };

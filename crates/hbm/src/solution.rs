@@ -28,8 +28,8 @@ impl Status {
 pub enum FailureReason {
     /// Every start and every fallback was tried; the best residual is far from zero.
     NotConverged,
-    /// The dynamic stiffness of the structure without contacts is singular at this harmonic: an undamped model at a
-    /// resonance, or a free rigid-body motion.
+    /// The dynamic stiffness of the structure without contacts is singular at this harmonic (an undamped model at a
+    /// resonance, or a free rigid-body motion), and the contacts do not bound the motion.
     SingularStructure {
         /// Harmonic of Ω.
         harmonic: usize,
@@ -47,13 +47,13 @@ impl fmt::Display for FailureReason {
             Self::NotConverged => write!(f, "the iteration did not converge from any start"),
             Self::SingularStructure { harmonic: 0 } => write!(
                 f,
-                "the stiffness is singular, so the mean displacement is undetermined (free rigid-body motion); add a \
+                "the stiffness is singular and no contact determines the mean displacement (free rigid-body motion); add a \
                  support"
             ),
             Self::SingularStructure { harmonic } => write!(
                 f,
-                "the dynamic stiffness is singular at harmonic {harmonic} (undamped resonance); add damping, or move \
-                 the frequency"
+                "the dynamic stiffness is singular at harmonic {harmonic} (undamped resonance), and the contacts do not bound \
+                 the motion; add damping, or move the frequency"
             ),
             Self::Law(error) => error.fmt(f),
             Self::HoldingLimit => write!(

@@ -123,6 +123,7 @@ impl Plan {
             law: contact.law.describing_function()?,
             scale: contact.scale,
             receptance: ws.condensed.receptance[slot],
+            own: 1.0 - ws.condensed.receptance[slot] * ws.condensed.lent[slot],
             free,
             length: contact.law.length().unwrap_or(free.norm()),
         })
@@ -170,7 +171,8 @@ impl Plan {
         }
         let mut count = roots.len();
         ws.roots = roots;
-        if balance.can_hold() {
+        let can_hold = balance.can_hold();
+        if can_hold {
             let mut rest = Solution::empty(solution.frequency, solution.harmonics);
             let held = match reported {
                 true => self.try_holding(ws, &mut rest),
@@ -185,7 +187,7 @@ impl Plan {
         match reported {
             true => solution.solutions = Some(count),
             // Held by the first harmonic alone, but not together with a static load.
-            false => self.fail(Some(LawError::NoMotion), f64::INFINITY, ws, solution),
+            false => self.fail(can_hold.then_some(LawError::NoMotion), f64::INFINITY, ws, solution),
         }
     }
 
@@ -280,11 +282,21 @@ impl Plan {
         let reason = match law_error {
             Some(LawError::NoMotion) => FailureReason::HoldingLimit,
             Some(error @ LawError::NegativeMagnitude { .. }) => FailureReason::Law(error),
+            _ if self.singular_harmonic(ws).is_some() => {
+                FailureReason::SingularStructure { harmonic: self.singular_harmonic(ws).unwrap_or(0) }
+            }
             _ => FailureReason::NotConverged,
         };
         solution.fail(reason);
         solution.residual = residual;
         solution.residual_history.extend_from_slice(&ws.newton.history);
+    }
+
+    /// The harmonic of Ω at which the structure alone is singular, if there is one.
+    fn singular_harmonic(&self, ws: &Workspace) -> Option<usize> {
+        let lent = ws.point.lent.iter().take(ws.ready * ws.point.width());
+        let entry = lent.into_iter().position(|lent| *lent != c64::ZERO)?;
+        self.harmonics.orders.get(entry / ws.point.width()).copied()
     }
 
     /// The paper's strategy: damped Newton from the previous frequency's solution.

@@ -7,6 +7,17 @@
 //! ```text
 //! w_k = H_k⁻¹ f_k − H_k⁻¹ B F_k,   u_k = u⁰_k − G_k F_k,   G_k = Bᵀ H_k⁻¹ B,   u⁰_k = Bᵀ H_k⁻¹ f_k
 //! ```
+//!
+//! Where H_k is singular (an undamped resonance, a free rigid body) there is no G_k, but the balance has a solution all
+//! the same when the contacts resist. Springs S are then lent to the structure at the contacts and taken back from the
+//! force, which changes nothing:
+//!
+//! ```text
+//! (H_k + B S Bᵀ) w_k = f_k − B (F_k − S u_k)
+//! ```
+//!
+//! With H_k symmetric and S = i·(positive), only a motion that moves no contact can still be singular. For the mean S is
+//! real.
 
 use std::ops::Range;
 
@@ -18,6 +29,9 @@ use crate::problem::{ExcitationKind, Problem};
 
 /// Pivots of the balanced dynamic stiffness below this fraction of the largest count as zero.
 const SINGULAR: f64 = 1e-15;
+
+/// Below this fraction springs are lent: the receptance would have lost too many digits.
+const NEARLY_SINGULAR: f64 = 1e-11;
 
 /// One entry of a harmonic's excitation vector: `amplitude · Ω^power` on `dof`.
 #[derive(Debug, Clone, Copy)]
@@ -58,6 +72,8 @@ pub(crate) struct Condensed {
     pub(crate) recovery: Vec<c64>,
     /// Displacement of an output dof without contact forces, entry `[slot][o]`.
     pub(crate) free_output: Vec<c64>,
+    /// S in N/m, entry `[slot][l]`; zero nearly always.
+    pub(crate) lent: Vec<c64>,
     lu: Lu<c64>,
     rhs: Mat<c64>,
     scale: Vec<f64>,
@@ -142,6 +158,7 @@ impl Structure {
             free: vec![c64::ZERO; slots * contacts],
             recovery: vec![c64::ZERO; slots * outputs * contacts],
             free_output: vec![c64::ZERO; slots * outputs],
+            lent: vec![c64::ZERO; slots * contacts],
             lu: Lu::new(n, contacts + 1),
             rhs: Mat::zeros(n, contacts + 1),
             scale: vec![1.0; n],
@@ -162,10 +179,15 @@ impl Structure {
         let lowest = self.orders.iter().find(|&&order| order > 0);
         into.omega = base * lowest.map_or(1.0, |&order| order as f64);
         for (slot, &order) in self.orders.iter().enumerate().take(slots.end).skip(slots.start) {
-            self.factor(order as f64 * base, into);
-            let ratio = into.lu.pivot_ratio();
-            if ratio.is_nan() || ratio <= SINGULAR {
-                return Err(order);
+            let contacts = slot * into.contacts..(slot + 1) * into.contacts;
+            into.lent[contacts.clone()].fill(c64::ZERO);
+            self.factor(order as f64 * base, slot, into);
+            if !into.lu.is_regular(NEARLY_SINGULAR) {
+                self.lend(order as f64 * base, slot, into);
+                self.factor(order as f64 * base, slot, into);
+                if !into.lu.is_regular(SINGULAR) {
+                    return Err(order);
+                }
             }
             self.respond(slot, base, into);
         }
@@ -174,7 +196,7 @@ impl Structure {
 
     /// Factors the dynamic stiffness, balanced by its diagonal so that masses and stiffnesses of very different size
     /// become comparable.
-    fn factor(&self, omega: f64, into: &mut Condensed) {
+    fn factor(&self, omega: f64, slot: usize, into: &mut Condensed) {
         let n = self.mass.nrows();
         for (i, scale) in into.scale.iter_mut().enumerate() {
             let size = self.stiffness[(i, i)].abs()
@@ -191,7 +213,76 @@ impl Structure {
                 into.lu.matrix[(i, j)] = entry * (into.scale[i] * into.scale[j]);
             }
         }
+        for (l, &(first, second)) in self.contacts.iter().enumerate() {
+            let spring = into.lent[slot * into.contacts + l];
+            let Some(second) = second.filter(|_| spring != c64::ZERO) else {
+                into.lu.matrix[(first, first)] += spring * into.scale[first].powi(2);
+                continue;
+            };
+            for (row, column, sign) in
+                [(first, first, 1.0), (second, second, 1.0), (first, second, -1.0), (second, first, -1.0)]
+            {
+                into.lu.matrix[(row, column)] += spring * (sign * into.scale[row] * into.scale[column]);
+            }
+        }
         into.lu.factor(n);
+    }
+
+    /// Springs as stiff as the structure itself at the contacts of one slot.
+    fn lend(&self, omega: f64, slot: usize, into: &mut Condensed) {
+        let size = |scale: f64| 1.0 / (scale * scale);
+        for (l, &(first, second)) in self.contacts.iter().enumerate() {
+            let own = size(into.scale[first]);
+            let stiffness = second.map_or(own, |second| own.min(size(into.scale[second])));
+            into.lent[slot * into.contacts + l] =
+                if omega == 0.0 { c64::from(stiffness) } else { c64::new(0.0, stiffness) };
+        }
+    }
+
+    /// `∂u/∂Ω` of the contacts in m s at forces that do not change, entry `[slot][i]`: with the motion w of all dofs under
+    /// the forces `felt` in N (entry `[slot][l]`), `∂w/∂Ω = H⁻¹ (∂f/∂Ω − ∂H/∂Ω w)`. Springs stay lent as they are.
+    pub(crate) fn frequency_slope(&self, hertz: f64, felt: &[c64], into: &mut Condensed, slope: &mut [c64]) {
+        let base = std::f64::consts::TAU * hertz;
+        let (n, contacts) = (self.mass.nrows(), into.contacts);
+        for (slot, &order) in self.orders.iter().enumerate().take(slope.len() / contacts.max(1)) {
+            let k = order as f64;
+            let omega = k * base;
+            self.factor(omega, slot, into);
+            let Condensed { rhs, scale, lu, .. } = &mut *into;
+            let loads = self.loads.get(slot).map_or(&[][..], |loads| loads);
+            rhs.fill(c64::ZERO);
+            for load in loads {
+                let factor = if load.grows { base * base } else { 1.0 };
+                rhs[(load.dof, 0)] += load.amplitude * (factor * scale[load.dof]);
+            }
+            for (l, &(first, second)) in self.contacts.iter().enumerate() {
+                let force = felt[slot * contacts + l];
+                rhs[(first, 0)] -= force * scale[first];
+                if let Some(second) = second {
+                    rhs[(second, 0)] += force * scale[second];
+                }
+            }
+            lu.solve(rhs.as_mut().subcols_mut(0, 1));
+            let w: Vec<c64> = (0..n).map(|i| rhs[(i, 0)] * scale[i]).collect();
+            rhs.fill(c64::ZERO);
+            for load in loads.iter().filter(|load| load.grows) {
+                rhs[(load.dof, 0)] += load.amplitude * (2.0 * base * scale[load.dof]);
+            }
+            for i in 0..n {
+                let change: c64 = (0..n)
+                    .map(|j| {
+                        let slope = c64::new(-2.0 * k * omega * self.mass[(i, j)], k * self.damping[(i, j)]);
+                        slope * w[j]
+                    })
+                    .sum();
+                rhs[(i, 0)] -= change * scale[i];
+            }
+            lu.solve(rhs.as_mut().subcols_mut(0, 1));
+            for (i, &(first, second)) in self.contacts.iter().enumerate() {
+                let at = |dof: usize| rhs[(dof, 0)] * scale[dof];
+                slope[slot * contacts + i] = at(first) - second.map_or(c64::ZERO, at);
+            }
+        }
     }
 
     /// Responses of harmonic `slot` to a unit force at every contact and to the excitation.

@@ -37,6 +37,20 @@ impl Axis {
         Some(Self { label, scale: Scale::Linear, factor: 1.0, low: low - margin, high: high + margin })
     }
 
+    /// The same for numbers without a known unit: those that would be long are written in powers of a thousand, which the
+    /// label names.
+    pub fn counted(label: &str, values: impl Iterator<Item = f64>) -> Option<Self> {
+        let mut axis = Self::tight(label.to_owned(), values)?;
+        let largest = axis.low.abs().max(axis.high.abs());
+        if !(1e-2..1e4).contains(&largest) && largest > 0.0 {
+            let exponent = 3 * (largest.log10() / 3.0).floor() as i32;
+            axis.factor = 10_f64.powi(-exponent);
+            (axis.low, axis.high) = (axis.low * axis.factor, axis.high * axis.factor);
+            axis.label = format!("{label} (10{})", superscript(exponent));
+        }
+        Some(axis)
+    }
+
     /// A linear axis with a margin of 6 %, in the SI multiple of `unit` that makes the numbers short.
     pub fn measured(quantity: &str, unit: &str, values: impl Iterator<Item = f64>) -> Option<Self> {
         let (low, high) = extent(values)?;
@@ -163,6 +177,15 @@ mod tests {
         assert_eq!(si_prefix(0.0381), ("m", 1e3));
         assert_eq!(si_prefix(1334.0), ("k", 1e-3));
         assert_eq!(si_prefix(0.0).0, "n");
+    }
+
+    #[test]
+    fn long_numbers_are_counted_in_powers_of_a_thousand() {
+        let axis = |low: f64, high: f64| Axis::counted("k", [low, high].into_iter()).unwrap();
+        let stiff = axis(2e6, 7.5e6);
+        assert_eq!((stiff.label.as_str(), stiff.place(5e6)), ("k (10⁶)", Some(5.0)));
+        assert_eq!(axis(1e-6, 2e-5).label, "k (10⁻⁶)");
+        assert_eq!((axis(5.0, 1200.0).label.as_str(), axis(0.0, 0.0).label.as_str()), ("k", "k"));
     }
 
     #[test]

@@ -229,7 +229,8 @@ impl Chart {
             let at = (13.0, 0.5 * (top + bottom));
             write(scene, &self.y.label, at, pen::LABEL_SIZE, TextAnchor::Middle, true);
         }
-        if self.curves.iter().all(|curve| curve.points.iter().all(|(_, y)| y.is_none())) {
+        let empty = |curve: &Curve| curve.points.iter().all(|(_, y)| y.is_none());
+        if !self.curves.is_empty() && self.curves.iter().all(empty) {
             let at = (0.5 * (left + right), 0.5 * (top + bottom));
             write(scene, "no solution", at, pen::TICK_SIZE, TextAnchor::Middle, false);
         }

@@ -45,11 +45,12 @@ const FRAME: f64 = 250.0;
 /// More curves than this are drawn faintly, with the worst error of all in front.
 const NAMED: usize = 7;
 
-/// Errors below this are rounding.
+/// Errors below this are rounding, and drawn no lower than that.
+const ROUNDING: f64 = 1e-12;
 const LEAST: f64 = 1e-16;
 
 /// Curves that can be told apart in grey print too: by darkness, and dashes of the light ones.
-const PENS: [Pen; NAMED] = [
+pub(super) const PENS: [Pen; NAMED] = [
     pen::MAIN,
     Pen { color: "#c2410c", width: 1.3, dash: None, dot: None },
     Pen { color: "#2a7f62", width: 1.3, dash: Some("5 2.2"), dot: None },
@@ -58,6 +59,8 @@ const PENS: [Pen; NAMED] = [
     Pen { color: "#b07d00", width: 1.3, dash: Some("9 3"), dot: None },
     Pen { color: "#4a86c8", width: 1.3, dash: Some("3 1.5 1 1.5"), dot: None },
 ];
+/// What is required, and how fast errors are expected to fall.
+const REQUIRED: Pen = Pen { color: "#8a8a8a", width: 1.0, dash: None, dot: None };
 const SLOPE: Pen = Pen { color: "#8a8a8a", width: 1.0, dash: Some("4 3"), dot: None };
 
 fn draw(plot: &TruncationPlot) -> Result<String> {
@@ -67,6 +70,12 @@ fn draw(plot: &TruncationPlot) -> Result<String> {
         .iter()
         .map(|(name, points)| (name.clone(), points.iter().copied().map(drawn).collect()))
         .collect();
+    // Where nothing slips every number of harmonics is exact; that is no curve to look at beside others.
+    let rounding =
+        |(_, points): &(String, Points)| points.iter().all(|(_, error)| error.is_none_or(|e| e < ROUNDING));
+    if !curves.iter().all(rounding) {
+        curves.retain(|curve| !rounding(curve));
+    }
     let faint = curves.len() > NAMED;
     if faint {
         let worst = ("worst".to_owned(), worst(&curves));
@@ -95,7 +104,7 @@ fn draw(plot: &TruncationPlot) -> Result<String> {
     let smallest = known().map(|(n, _)| n).fold(f64::INFINITY, f64::min);
     if let Some(required) = plot.required {
         let points = vec![(smallest, Some(required)), (largest, Some(required))];
-        lines.insert(0, (Curve { name: "", points, pen: pen::RUG }, Some("required".into())));
+        lines.insert(0, (Curve { name: "", points, pen: REQUIRED }, Some("required".into())));
     }
     let end = |curve: &Curve, name: String| {
         let (n, error) = curve.points.iter().rev().find_map(|&(n, error)| Some((n, error?)))?;

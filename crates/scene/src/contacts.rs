@@ -1,13 +1,12 @@
 //! `contacts`: which bodies touch, and by which law.
 
-use std::path::Path;
-
 use hbm::Contact;
 
 use crate::error::SceneError;
 use crate::law;
 use crate::model::{Dofs, GROUND};
 use crate::read::Node;
+use crate::records::Records;
 
 pub(crate) const KEYS: [&str; 5] = ["name", "between", "pairs", "law", "scale"];
 
@@ -20,15 +19,15 @@ pub(crate) struct Contacts {
 }
 
 /// Reads `contacts`; none at all is a linear structure.
-pub(crate) fn read(node: Option<Node>, dofs: &Dofs, base: &Path) -> Result<Contacts, SceneError> {
+pub(crate) fn read(node: Option<Node>, dofs: &Dofs, records: &Records) -> Result<Contacts, SceneError> {
     let mut all = Contacts::default();
     for entry in node.map_or(Ok(Vec::new()), |node| node.list("of contacts"))? {
-        read_one(&entry, dofs, base, &mut all)?;
+        read_one(&entry, dofs, records, &mut all)?;
     }
     Ok(all)
 }
 
-fn read_one(node: &Node, dofs: &Dofs, base: &Path, all: &mut Contacts) -> Result<(), SceneError> {
+fn read_one(node: &Node, dofs: &Dofs, records: &Records, all: &mut Contacts) -> Result<(), SceneError> {
     let entry = node.object("name, between or pairs, law", &KEYS)?;
     let name_node = entry.need("name", "a name for results and messages")?;
     let name = name_node.text("a name")?;
@@ -52,7 +51,7 @@ fn read_one(node: &Node, dofs: &Dofs, base: &Path, all: &mut Contacts) -> Result
         }
     };
     let scale = entry.get("scale").map_or(Ok(1.0), |scale| scale.positive())?;
-    let law = law::read(&entry.need("law", "{\"type\": …}")?, base)?;
+    let law = law::read(&entry.need("law", "{\"type\": …}")?, records)?;
     for note in law.notes {
         all.notes.push(format!("contact {name:?}: {note}"));
     }

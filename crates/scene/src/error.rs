@@ -43,7 +43,7 @@ fn within(place: &str) -> String {
 
 impl SceneError {
     /// An error about the entry at `place`; the top of a scene is called "scene".
-    pub(crate) fn entry(place: &str, problem: impl Into<String>) -> Self {
+    pub fn entry(place: &str, problem: impl Into<String>) -> Self {
         let place = if place.is_empty() { "scene" } else { place };
         Self::Entry { place: place.to_owned(), problem: problem.into() }
     }

@@ -58,7 +58,11 @@ impl Frequencies {
         Self((0..points).map(at).collect())
     }
 
-    pub(crate) fn read(node: &Node) -> Result<Self, SceneError> {
+    /// Reads a range or a list.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn read(node: &Node) -> Result<Self, SceneError> {
         if node.is_list() {
             return Self::read_list(node);
         }

@@ -31,7 +31,11 @@ impl Harmonics {
     /// The paper's method.
     pub(crate) const ONE: Self = Self::All(1);
 
-    pub(crate) fn read(node: &Node) -> Result<Self, SceneError> {
+    /// Reads N, or a tolerance and the most harmonics.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn read(node: &Node) -> Result<Self, SceneError> {
         if !node.is_object() {
             return node.whole(1, MOST_HARMONICS).map(Self::All);
         }

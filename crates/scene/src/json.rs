@@ -10,18 +10,24 @@ use crate::read::show;
 
 /// A JSON value. Objects keep the order of the text.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Json {
+pub enum Json {
+    /// `null`.
     Null,
+    /// `true` or `false`.
     Flag(bool),
+    /// Finite.
     Number(f64),
+    /// A string.
     Text(String),
+    /// An array.
     List(Vec<Json>),
+    /// Keys and values.
     Object(Vec<(String, Json)>),
 }
 
 impl Json {
     /// What this is, for a message.
-    pub(crate) fn describe(&self) -> String {
+    pub fn describe(&self) -> String {
         match self {
             Self::Null => "null".into(),
             Self::Flag(flag) => flag.to_string(),
@@ -37,7 +43,7 @@ impl Json {
 const REMARKS: [&str; 2] = ["$schema", "comment"];
 
 /// Reads one JSON value and nothing after it.
-pub(crate) fn parse(text: &str) -> Result<Json, SceneError> {
+pub fn parse(text: &str) -> Result<Json, SceneError> {
     // Editors on some systems begin a file with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let culprit = RefCell::new(None);
@@ -158,7 +164,7 @@ impl<'de> Visitor<'de> for Value<'_> {
 }
 
 /// The path of `key` below `path`.
-pub(crate) fn below(path: &str, key: &str) -> String {
+pub fn below(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 

@@ -1,6 +1,5 @@
 //! `law`: from `law.type` and its parameters to a law of the contact crate.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use contact::{
@@ -12,6 +11,7 @@ use crate::error::SceneError;
 use crate::json::below;
 use crate::loops::{self, MeasuredLoop};
 use crate::read::{Node, Object, suggestion};
+use crate::records::Records;
 use crate::{iwan, loop_family};
 
 /// Laws that exist.
@@ -32,7 +32,7 @@ pub(crate) struct ReadLaw {
 }
 
 /// Reads a contact's `law`.
-pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
+pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw, SceneError> {
     let Some(kind) = node.peek("type") else {
         // Says that it is no object, or that the type is missing.
         let any = [
@@ -53,8 +53,8 @@ pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
     };
     let name = kind.text("the name of a law")?;
     let law: Arc<dyn Law> = match name {
-        "scaled_loop" => return scaled_loop(&node.object("a scaled loop", &SCALED_LOOP_KEYS)?, base),
-        "loop_family" => return loop_family::read(node, base),
+        "scaled_loop" => return scaled_loop(&node.object("a scaled loop", &SCALED_LOOP_KEYS)?, records),
+        "loop_family" => return loop_family::read(node, records),
         "iwan" => Arc::new(iwan::read(node)?),
         "elastic_coulomb" => {
             let law = node.object("elastic Coulomb friction", &ELASTIC_COULOMB_KEYS)?;
@@ -99,13 +99,13 @@ pub(crate) fn refused(path: &str, error: ParameterError) -> SceneError {
     SceneError::entry(&below(path, &error.key), error.problem)
 }
 
-fn scaled_loop(law: &Object, base: &Path) -> Result<ReadLaw, SceneError> {
+fn scaled_loop(law: &Object, records: &Records) -> Result<ReadLaw, SceneError> {
     let magnitude = law.get("magnitude").map_or(Ok(MagnitudeLaw::default()), |node| read_magnitude(&node))?;
     let phase = law.get("phase").map_or(Ok(PhaseLaw::default()), |node| read_phase(&node))?;
     let symmetry = read_symmetry(law)?;
     let place = |error: ParameterError| refused(law.path(), error);
     let form = "{\"file\": \"record.csv\"} or {\"displacement\": 8e-6, \"force\": 12.0}";
-    match loops::read(&law.need("loop", form)?, base)? {
+    match loops::read(&law.need("loop", form)?, records)? {
         MeasuredLoop::Ellipse { displacement, force } => {
             let law = ScaledLoop::ellipse(displacement, force, magnitude, phase).map_err(place)?;
             Ok(ReadLaw { law: Arc::new(law), notes: Vec::new() })

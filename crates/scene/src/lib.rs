@@ -35,11 +35,13 @@ mod model;
 mod notes;
 mod outcome;
 mod read;
+mod records;
 mod response;
 mod run;
 mod scene;
 mod schema;
 mod solver;
+mod variants;
 
 pub use error::SceneError;
 pub use explain::Step;
@@ -52,3 +54,10 @@ pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Motion, Prepared, Solved};
 pub use scene::Scene;
 pub use schema::SCHEMA;
+pub use variants::Variants;
+
+/// Reading of JSON whose errors name the entry; for files like a scene's.
+pub mod reading {
+    pub use crate::json::{Json, parse};
+    pub use crate::read::{Node, Object, show, suggestion};
+}

@@ -1,6 +1,5 @@
 //! `law` of type `loop_family`: measured loops at several amplitudes.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use contact::LoopFamily;
@@ -9,11 +8,12 @@ use crate::error::SceneError;
 use crate::law::{ReadLaw, read_symmetry, refused};
 use crate::loops::{self, MeasuredLoop};
 use crate::read::Node;
+use crate::records::Records;
 
 pub(crate) const KEYS: [&str; 3] = ["type", "loops", "symmetric"];
 
-/// Reads the law; the loops' files are relative to `base`.
-pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
+/// Reads the law.
+pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw, SceneError> {
     let law = node.object("a family of loops", &KEYS)?;
     let symmetry = read_symmetry(&law)?;
     let form = "[{\"file\": \"small.csv\"}, {\"file\": \"large.csv\"}]";
@@ -22,7 +22,7 @@ pub(crate) fn read(node: &Node, base: &Path) -> Result<ReadLaw, SceneError> {
     let mut loudest: f64 = 0.0;
     let mut notes = Vec::new();
     for (i, entry) in entries.iter().enumerate() {
-        let MeasuredLoop::Series { hysteresis_loop, noise, notes: own } = loops::read(entry, base)? else {
+        let MeasuredLoop::Series { hysteresis_loop, noise, notes: own } = loops::read(entry, records)? else {
             return Err(entry.error(
                 "a family needs each loop's phase, so \"force\" is not enough; write \"harmonics\" ([[1, re, im], …]) or \"file\"",
             ));

@@ -8,6 +8,7 @@ use num_complex::Complex64;
 
 use crate::error::SceneError;
 use crate::read::{Node, Object};
+use crate::records::Records;
 
 pub(crate) const KEYS: [&str; 7] =
     ["file", "columns", "units", "force_sign", "displacement", "force", "harmonics"];
@@ -22,6 +23,7 @@ const PHASE_MISMATCH: f64 = 0.02;
 const SCATTER: f64 = 1e-3;
 
 /// A loop as a scene gives it.
+#[derive(Debug, Clone)]
 pub(crate) enum MeasuredLoop {
     /// Displacement amplitude in m and first force harmonic in N.
     Ellipse { displacement: f64, force: f64 },
@@ -29,15 +31,15 @@ pub(crate) enum MeasuredLoop {
     Series { hysteresis_loop: Loop, noise: f64, notes: Vec<String> },
 }
 
-/// Reads `loop`; files are relative to `base`.
-pub(crate) fn read(node: &Node, base: &Path) -> Result<MeasuredLoop, SceneError> {
+/// Reads `loop`.
+pub(crate) fn read(node: &Node, records: &Records) -> Result<MeasuredLoop, SceneError> {
     let entry = node.object("file, or displacement with force or harmonics", &KEYS)?;
     if let Some(file) = entry.get("file") {
         entry.without(
             &["displacement", "force", "harmonics"],
             "is one too many beside \"file\"; keep one of them",
         )?;
-        return read_record(&entry, &file, base);
+        return read_record(&entry, &file, records);
     }
     entry.without(&["columns", "units", "force_sign"], "belongs to a \"file\", and there is none")?;
     let displacement = entry.need("displacement", "8e-6, the amplitude in m, or \"file\": \"record.csv\"")?;
@@ -75,7 +77,7 @@ fn read_series(node: &Node) -> Result<Vec<Complex64>, SceneError> {
     Ok(series.into_iter().map(Option::unwrap_or_default).collect())
 }
 
-fn read_record(entry: &Object, file: &Node, base: &Path) -> Result<MeasuredLoop, SceneError> {
+fn read_record(entry: &Object, file: &Node, records: &Records) -> Result<MeasuredLoop, SceneError> {
     let mut options = ReadOptions::default();
     if let Some(columns) = entry.get("columns") {
         options.columns = read_columns(&columns)?;
@@ -86,8 +88,13 @@ fn read_record(entry: &Object, file: &Node, base: &Path) -> Result<MeasuredLoop,
     if let Some(sign) = entry.get("force_sign") {
         options.force_sign = ForceSign::try_from(sign.number()?).map_err(|problem| sign.error(problem))?;
     }
-    let path = base.join(file.text("the name of a record's file")?);
-    let record = Record::read(&path, &options).map_err(|error| file.error(error.to_string()))?;
+    let name = file.text("the name of a record's file")?;
+    records.get(name, &options, |path| fit_record(path, &options, file))
+}
+
+/// Fits the record at `path`, which the scene names in `file`.
+fn fit_record(path: &Path, options: &ReadOptions, file: &Node) -> Result<MeasuredLoop, SceneError> {
+    let record = Record::read(path, options).map_err(|error| file.error(error.to_string()))?;
     let fit = hysteresis::fit(&record, &FitSettings::default()).map_err(|error| match error {
         FitError::AgainstMotion { .. } if options.force_sign == ForceSign::Reaction => file.error(format!(
             "{}: with \"force_sign\": -1 the force drives the motion; leave \"force_sign\" out",

@@ -5,38 +5,41 @@ use crate::json::{Json, below};
 
 /// A value and its path in the scene.
 #[derive(Debug, Clone)]
-pub(crate) struct Node<'a> {
+pub struct Node<'a> {
     json: &'a Json,
     path: String,
 }
 
 /// An object whose keys are all known.
 #[derive(Debug, Clone)]
-pub(crate) struct Object<'a> {
+pub struct Object<'a> {
     members: &'a [(String, Json)],
     path: String,
 }
 
 impl<'a> Node<'a> {
-    pub(crate) fn root(json: &'a Json) -> Self {
+    /// The top of a text.
+    pub fn root(json: &'a Json) -> Self {
         Self { json, path: String::new() }
     }
 
-    pub(crate) fn path(&self) -> &str {
+    /// Where it stands, for example `contacts[0].law`.
+    pub fn path(&self) -> &str {
         &self.path
     }
 
     /// An error about this entry.
-    pub(crate) fn error(&self, problem: impl Into<String>) -> SceneError {
+    pub fn error(&self, problem: impl Into<String>) -> SceneError {
         SceneError::entry(&self.path, problem)
     }
 
-    pub(crate) fn must_be(&self, what: &str) -> SceneError {
+    /// An error that says what this entry should be and what it is.
+    pub fn must_be(&self, what: &str) -> SceneError {
         self.error(format!("must be {what}, got {}", self.json.describe()))
     }
 
     /// The object with these keys and no others; `what` says what it stands for.
-    pub(crate) fn object(&self, what: &str, keys: &[&str]) -> Result<Object<'a>, SceneError> {
+    pub fn object(&self, what: &str, keys: &[&str]) -> Result<Object<'a>, SceneError> {
         let Json::Object(members) = self.json else {
             return Err(self.must_be(&format!("an object ({what})")));
         };
@@ -49,28 +52,39 @@ impl<'a> Node<'a> {
         Ok(Object { members, path: self.path.clone() })
     }
 
+    /// The object, whatever its keys.
+    pub fn any_object(&self, what: &str) -> Result<Object<'a>, SceneError> {
+        match self.json {
+            Json::Object(members) => Ok(Object { members, path: self.path.clone() }),
+            _ => Err(self.must_be(&format!("an object ({what})"))),
+        }
+    }
+
     /// The value of `key` when this is an object, whatever else is in it.
-    pub(crate) fn peek(&self, key: &str) -> Option<Node<'a>> {
+    pub fn peek(&self, key: &str) -> Option<Node<'a>> {
         let Json::Object(members) = self.json else {
             return None;
         };
         member(members, &self.path, key)
     }
 
-    pub(crate) fn is_object(&self) -> bool {
+    /// Whether it is an object.
+    pub fn is_object(&self) -> bool {
         matches!(self.json, Json::Object(_))
     }
 
-    pub(crate) fn is_list(&self) -> bool {
+    /// Whether it is a list.
+    pub fn is_list(&self) -> bool {
         matches!(self.json, Json::List(_))
     }
 
-    pub(crate) fn is_number(&self) -> bool {
+    /// Whether it is a number.
+    pub fn is_number(&self) -> bool {
         matches!(self.json, Json::Number(_))
     }
 
     /// The items of a list.
-    pub(crate) fn list(&self, what: &str) -> Result<Vec<Node<'a>>, SceneError> {
+    pub fn list(&self, what: &str) -> Result<Vec<Node<'a>>, SceneError> {
         let Json::List(items) = self.json else {
             return Err(self.must_be(&format!("a list {what}")));
         };
@@ -79,13 +93,13 @@ impl<'a> Node<'a> {
     }
 
     /// The items of a list that is not empty.
-    pub(crate) fn some(&self, what: &str) -> Result<Vec<Node<'a>>, SceneError> {
+    pub fn some(&self, what: &str) -> Result<Vec<Node<'a>>, SceneError> {
         let items = self.list(what)?;
         if items.is_empty() { Err(self.error("must not be empty")) } else { Ok(items) }
     }
 
     /// A list of numbers; paths are made for errors only.
-    pub(crate) fn numbers(&self, what: &str) -> Result<Vec<f64>, SceneError> {
+    pub fn numbers(&self, what: &str) -> Result<Vec<f64>, SceneError> {
         let Json::List(items) = self.json else {
             return Err(self.must_be(&format!("a list {what}")));
         };
@@ -96,7 +110,8 @@ impl<'a> Node<'a> {
         items.iter().enumerate().map(number).collect()
     }
 
-    pub(crate) fn text(&self, what: &str) -> Result<&'a str, SceneError> {
+    /// A text that is not empty.
+    pub fn text(&self, what: &str) -> Result<&'a str, SceneError> {
         match self.json {
             Json::Text(text) if text.is_empty() => {
                 Err(self.error(format!("must be {what}, got an empty text")))
@@ -106,7 +121,8 @@ impl<'a> Node<'a> {
         }
     }
 
-    pub(crate) fn flag(&self) -> Option<bool> {
+    /// True or false.
+    pub fn flag(&self) -> Option<bool> {
         match self.json {
             Json::Flag(flag) => Some(*flag),
             _ => None,
@@ -114,14 +130,15 @@ impl<'a> Node<'a> {
     }
 
     /// A finite number.
-    pub(crate) fn number(&self) -> Result<f64, SceneError> {
+    pub fn number(&self) -> Result<f64, SceneError> {
         match self.json {
             Json::Number(number) => Ok(*number),
             _ => Err(self.must_be("a number")),
         }
     }
 
-    pub(crate) fn positive(&self) -> Result<f64, SceneError> {
+    /// A positive number.
+    pub fn positive(&self) -> Result<f64, SceneError> {
         let number = self.number()?;
         if number > 0.0 {
             Ok(number)
@@ -130,7 +147,8 @@ impl<'a> Node<'a> {
         }
     }
 
-    pub(crate) fn not_negative(&self) -> Result<f64, SceneError> {
+    /// A number that is not negative.
+    pub fn not_negative(&self) -> Result<f64, SceneError> {
         let number = self.number()?;
         if number >= 0.0 {
             Ok(number)
@@ -140,7 +158,7 @@ impl<'a> Node<'a> {
     }
 
     /// A whole number within the limits.
-    pub(crate) fn whole(&self, least: usize, most: usize) -> Result<usize, SceneError> {
+    pub fn whole(&self, least: usize, most: usize) -> Result<usize, SceneError> {
         let number = self.number()?;
         // Within the limits a whole f64 is a usize exactly.
         if number.fract() == 0.0 && number >= least as f64 && number <= most as f64 {
@@ -150,7 +168,7 @@ impl<'a> Node<'a> {
     }
 
     /// One of several words.
-    pub(crate) fn choice<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, SceneError> {
+    pub fn choice<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, SceneError> {
         let names: Vec<&str> = words.iter().map(|(name, _)| *name).collect();
         let list = names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(" or ");
         let Json::Text(word) = self.json else {
@@ -162,27 +180,35 @@ impl<'a> Node<'a> {
 }
 
 impl<'a> Object<'a> {
-    pub(crate) fn path(&self) -> &str {
+    /// Where it stands.
+    pub fn path(&self) -> &str {
         &self.path
     }
 
     /// An error about the object itself.
-    pub(crate) fn error(&self, problem: impl Into<String>) -> SceneError {
+    pub fn error(&self, problem: impl Into<String>) -> SceneError {
         SceneError::entry(&self.path, problem)
     }
 
-    pub(crate) fn get(&self, key: &str) -> Option<Node<'a>> {
+    /// The value of a key, where it is there.
+    pub fn get(&self, key: &str) -> Option<Node<'a>> {
         member(self.members, &self.path, key)
     }
 
     /// The value of a key that must be there; `form` shows how it looks.
-    pub(crate) fn need(&self, key: &str, form: &str) -> Result<Node<'a>, SceneError> {
+    pub fn need(&self, key: &str, form: &str) -> Result<Node<'a>, SceneError> {
         let place = below(&self.path, key);
         self.get(key).ok_or_else(|| SceneError::entry(&place, format!("is missing; write \"{key}\": {form}")))
     }
 
+    /// Keys and values in the order of the text.
+    pub fn members(&self) -> impl Iterator<Item = (&'a str, Node<'a>)> + use<'a> {
+        let path = self.path.clone();
+        self.members.iter().map(move |(key, json)| (key.as_str(), Node { json, path: below(&path, key) }))
+    }
+
     /// Refuses every one of `keys` that is there.
-    pub(crate) fn without(&self, keys: &[&str], why: &str) -> Result<(), SceneError> {
+    pub fn without(&self, keys: &[&str], why: &str) -> Result<(), SceneError> {
         match keys.iter().find_map(|key| self.get(key)) {
             Some(node) => Err(node.error(why)),
             None => Ok(()),
@@ -196,7 +222,7 @@ fn member<'a>(members: &'a [(String, Json)], path: &str, key: &str) -> Option<No
 }
 
 /// A number as a reader would write it.
-pub(crate) fn show(number: f64) -> String {
+pub fn show(number: f64) -> String {
     if number == 0.0 || (1e-4..1e9).contains(&number.abs()) {
         number.to_string()
     } else {
@@ -205,7 +231,7 @@ pub(crate) fn show(number: f64) -> String {
 }
 
 /// "did you mean …?" or the list of what is known.
-pub(crate) fn suggestion(word: &str, known: &[&str]) -> String {
+pub fn suggestion(word: &str, known: &[&str]) -> String {
     let nearest = known.iter().map(|name| (strsim::damerau_levenshtein(word, name), name)).min();
     match nearest {
         Some((distance, name)) if 3 * distance <= name.len().max(3) => format!("did you mean \"{name}\"?"),

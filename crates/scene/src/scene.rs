@@ -10,9 +10,10 @@ use crate::error::SceneError;
 use crate::excitation;
 use crate::frequencies::Frequencies;
 use crate::harmonics::Harmonics;
-use crate::json;
+use crate::json::{self, Json};
 use crate::model::{self, Dofs};
-use crate::read::Node;
+use crate::read::{Node, suggestion};
+use crate::records::Records;
 use crate::run::Prepared;
 use crate::solver;
 
@@ -45,9 +46,7 @@ impl Scene {
         let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
         let text = std::fs::read_to_string(path).map_err(unreadable)?;
         let mut scene = Self::from_str(&text, path.parent().unwrap_or(Path::new("")))?;
-        if scene.name.is_empty() {
-            scene.name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        }
+        scene.name_if_none(&path.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default());
         Ok(scene)
     }
 
@@ -57,13 +56,17 @@ impl Scene {
     /// [`SceneError`] with what is wrong and where.
     pub fn from_str(text: &str, base: &Path) -> Result<Self, SceneError> {
         let began = Instant::now();
-        let json = json::parse(text)?;
-        let scene = Node::root(&json).object("model, excitation, contacts, frequencies, …", &KEYS)?;
+        Self::from_json(&json::parse(text)?, &Records::new(base), began)
+    }
+
+    /// Reads a scene whose text was read from `began` on.
+    pub(crate) fn from_json(json: &Json, records: &Records, began: Instant) -> Result<Self, SceneError> {
+        let scene = Node::root(json).object("model, excitation, contacts, frequencies, …", &KEYS)?;
         let name = scene.get("name").map_or(Ok(""), |node| node.text("a name"))?;
         let (dofs, model) = model::read(&scene.need("model", "{\"dofs\": …}")?)?;
         let excitation = scene.need("excitation", "[{\"dof\": …, \"amplitude\": …}], or [] for none")?;
         let excitation = excitation::read(&excitation, &dofs)?;
-        let contacts = contacts::read(scene.get("contacts"), &dofs, base)?;
+        let contacts = contacts::read(scene.get("contacts"), &dofs, records)?;
         let form = "{\"from\": 20.0, \"to\": 200.0, \"points\": 721}";
         let frequencies = Frequencies::read(&scene.need("frequencies", form)?)?;
         let harmonics = scene.get("harmonics").map_or(Ok(Harmonics::ONE), |node| Harmonics::read(&node))?;
@@ -87,6 +90,13 @@ impl Scene {
         })
     }
 
+    /// Calls a scene that has no name by that of its file.
+    pub(crate) fn name_if_none(&mut self, name: &str) {
+        if self.name.is_empty() {
+            name.clone_into(&mut self.name);
+        }
+    }
+
     /// The same scene with another number of harmonics.
     ///
     /// # Errors
@@ -101,6 +111,22 @@ impl Scene {
     pub fn with_frequencies(mut self, frequencies: Frequencies) -> Self {
         self.frequencies = frequencies;
         self
+    }
+
+    /// The same scene with the displacements of other dofs recovered.
+    ///
+    /// # Errors
+    /// When a name is no dof.
+    pub fn with_output(mut self, names: &[String]) -> Result<Self, SceneError> {
+        let index = |name: &String| {
+            let known = self.dofs.names();
+            known.iter().position(|dof| dof == name).ok_or_else(|| {
+                let some: Vec<&str> = known.iter().take(EVERY_OUTPUT).map(String::as_str).collect();
+                SceneError::entry("output", format!("there is no dof {name:?}; {}", suggestion(name, &some)))
+            })
+        };
+        self.problem.output = names.iter().map(index).collect::<Result<_, _>>()?;
+        Ok(self)
     }
 
     /// The same scene with all solutions wanted, where they are known.

@@ -3,10 +3,10 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use scene::Frequencies;
 
-use super::{FREQUENCIES, TableFormat, TextFormat};
+use super::{FREQUENCIES, Format, TableFormat, TextFormat};
 
 pub const TRUNCATION: &str = "\
 Solutions with N harmonics are compared with the exact periodic motion where every contact law has a mechanism that can \
@@ -93,4 +93,68 @@ fn hertz(text: &str) -> Result<f64, String> {
         Ok(hertz) if f64::is_finite(hertz) && hertz > 0.0 => Ok(hertz),
         _ => Err("must be a positive number of Hz".into()),
     }
+}
+
+pub const STUDY: &str = "\
+A study is a JSON file: a scene, entries of it that are varied (JSON pointers), numbers of harmonics, and what is kept:
+
+  {
+    \"scene\": \"blade.json\",
+    \"vary\": {
+      \"/contacts/0/law/slip_force\": {\"from\": 1, \"to\": 100, \"points\": 20, \"spacing\": \"log\"},
+      \"/excitation/0/amplitude\": [5, 10, 20]
+    },
+    \"harmonics\": [1, 7],
+    \"keep\": \"peaks\"
+  }
+
+Finished cases are kept in OUT.part beside the result: after Ctrl-C the same command goes on where it stopped.
+
+Examples:
+  stickslip study damper.json --dry-run                        what it would do
+  stickslip study damper.json -o peaks.csv --plot peaks.svg
+  stickslip study damper.json -o peaks.csv --restart           forget what was finished before";
+
+/// `stickslip study`.
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// The study's file, JSON
+    pub study: PathBuf,
+    /// Threads to use [default: one a core]
+    #[arg(long, value_name = "T")]
+    pub threads: Option<NonZeroUsize>,
+    /// Form of the result [default: by the extension of -o, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<Format>,
+    /// Write the result to FILE, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Begin anew instead of going on where an interrupted run stopped
+    #[arg(long, requires = "output")]
+    pub restart: bool,
+    /// Say how many cases there are, and stop
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Draw the response's highest point over one varied entry, or over two as a heat map
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub plot: Option<PathBuf>,
+    /// What is drawn
+    #[arg(long, value_enum, default_value = "amplitude", requires = "plot")]
+    pub quantity: Quantity,
+    /// The dof whose response is drawn [default: the first output dof]
+    #[arg(long, value_name = "NAME", requires = "plot")]
+    pub dof: Option<String>,
+}
+
+/// What a study's picture shows of the highest point of a response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Quantity {
+    /// Half the peak-to-peak displacement
+    Amplitude,
+    /// The amplitude of the lowest excited harmonic
+    First,
+    /// Its frequency
+    Frequency,
+    /// The energy that all contacts dissipate in a period there
+    Dissipation,
 }

@@ -1,0 +1,137 @@
+//! Response curves through folds: against closed forms, published folds, and points solved one by one.
+
+use hbm::{
+    ContinuationOptions, Curve, CurveEnd, Damping, EntryCourse, FrequencyCourse, Model, Plan, Problem,
+    Settings, follow,
+};
+use stickslip_tests::{elastic_coulomb, paper_scene, scene_p, scene_p_cubic, scene_r, unit_masses};
+
+fn curve(problem: &Problem, harmonics: usize, from: f64, to: f64) -> Curve {
+    let mut course = FrequencyCourse::new(problem, &Settings::new(harmonics)).unwrap();
+    follow(&mut course, from, to, &ContinuationOptions::default())
+}
+
+fn folds(curve: &Curve) -> Vec<(f64, f64)> {
+    let amplitude = |p: &hbm::CurvePoint| p.solution.displacement[1][0].norm();
+    curve.points.iter().filter(|p| p.fold).map(|p| (p.parameter, amplitude(p))).collect()
+}
+
+/// Peak and folds of the hardening spring as other codes find them (N = 7).
+#[test]
+fn the_bent_resonance_of_the_cubic_scene() {
+    let curve = curve(&scene_p_cubic(), 7, 10.0, 150.0);
+    assert_eq!(curve.end, CurveEnd::Reached);
+    let folds = folds(&curve);
+    assert_eq!(folds.len(), 2);
+    for ((hertz, amplitude), (known_hertz, known_amplitude)) in
+        folds.into_iter().zip([(43.262, 3.90e-3), (43.219, 2.66e-3)])
+    {
+        assert!((hertz - known_hertz).abs() < 5e-4, "{hertz}");
+        assert!((amplitude / known_amplitude - 1.0).abs() < 6e-3, "{amplitude}");
+    }
+    let peak = curve.points.iter().find(|p| p.peaks == [1]).unwrap();
+    assert!((peak.parameter - 43.2426).abs() < 3e-4, "{}", peak.parameter);
+    assert!((peak.solution.displacement[1][0].norm() - 4.0177e-3).abs() < 5e-8);
+    assert!(curve.points.iter().all(|p| p.solution.residual < 1e-9));
+}
+
+/// With one harmonic the number of solutions is known in closed form; it changes by two at a fold.
+#[test]
+fn solutions_appear_and_vanish_at_folds() {
+    let problem = scene_p_cubic();
+    let plan = Plan::new(&problem, &Settings::new(1)).unwrap();
+    let mut workspace = plan.workspace();
+    let mut solutions = |hertz: f64| plan.solve(hertz, &mut workspace).solutions.unwrap();
+    for (from, to) in [(41.0, 46.0), (46.0, 41.0)] {
+        let found = folds(&curve(&problem, 1, from, to));
+        assert_eq!(found.len(), 2);
+        for (hertz, _) in found {
+            let counts = [solutions(hertz * (1.0 - 1e-9)), solutions(hertz * (1.0 + 1e-9))];
+            assert!(counts == [1, 3] || counts == [3, 1], "{hertz}: {counts:?}");
+        }
+    }
+}
+
+/// Without folds a curve is what a sweep finds, in both directions.
+#[test]
+fn a_curve_passes_through_the_points_of_a_sweep() {
+    for (problem, from) in [(scene_r(), 20.0), (scene_p(), 20.0), (paper_scene(), 55.0)] {
+        let plan = Plan::new(&problem, &Settings::new(7)).unwrap();
+        let mut workspace = plan.workspace();
+        for curve in [curve(&problem, 7, from, 150.0), curve(&problem, 7, 150.0, from)] {
+            assert_eq!(curve.end, CurveEnd::Reached);
+            assert!(folds(&curve).is_empty());
+            let ends = [curve.points.first().unwrap().parameter, curve.points.last().unwrap().parameter];
+            assert!(ends.contains(&from) && ends.contains(&150.0));
+            for point in curve.points.iter().step_by(7) {
+                let alone = plan.solve(point.parameter, &mut workspace);
+                let pairs =
+                    alone.displacement.iter().flatten().zip(point.solution.displacement.iter().flatten());
+                let (change, size) = pairs.fold((0.0, 0.0), |(change, size), (a, b)| {
+                    (change + (a - b).norm_sqr(), size + a.norm_sqr())
+                });
+                assert!(change.sqrt() < 1e-8 * f64::sqrt(size), "{} Hz", point.parameter);
+            }
+        }
+    }
+}
+
+/// A resonance a millionth as wide as the range is not stepped over, with the contact sticking and without.
+#[test]
+fn no_resonance_is_missed() {
+    for (stiffness, slip_force) in [(6e4, 1e6), (1e-3, 1e-9)] {
+        let mut problem = unit_masses(elastic_coulomb(stiffness, slip_force));
+        let (mass, stiff) = (problem.model.mass().to_owned(), problem.model.stiffness().to_owned());
+        problem.model = Model::new(mass, Damping::ModalRatio(1e-6), stiff).unwrap();
+        let curve = curve(&problem, 1, 10.0, 200.0);
+        assert_eq!(curve.end, CurveEnd::Reached);
+        // Of w2, with the spring where it sticks: the roots of (3.8e5 + k − x)(1.9e5 − x) = 1.9e5².
+        let k = if slip_force > 1.0 { stiffness } else { 0.0 };
+        let (sum, product) = (5.7e5 + k, (3.8e5 + k) * 1.9e5 - 1.9e5 * 1.9e5);
+        let root = f64::sqrt(sum * sum / 4.0 - product);
+        for square in [sum / 2.0 - root, sum / 2.0 + root] {
+            let hertz = f64::sqrt(square) / std::f64::consts::TAU;
+            let peak = curve
+                .points
+                .iter()
+                .find(|p| p.peaks.contains(&1) && (p.parameter - hertz).abs() < 1e-5 * hertz);
+            assert!(peak.is_some(), "{stiffness} N/m: nothing at {hertz} Hz");
+        }
+    }
+}
+
+/// The excitation varied at one frequency: the amplitude folds over, and all points belong to their excitation.
+#[test]
+fn along_an_entry_of_the_problem() {
+    let problem = |amplitude: f64| {
+        let mut problem = scene_p_cubic();
+        problem.excitation[0].amplitude = amplitude;
+        Some(problem)
+    };
+    let (hertz, settings) = (43.5, Settings::new(5));
+    let mut course = EntryCourse::new(&problem, hertz, 0.1, &settings).unwrap().unwrap();
+    let curve = follow(&mut course, 0.1, 20.0, &ContinuationOptions::default());
+    assert_eq!((curve.end, folds(&curve).len()), (CurveEnd::Reached, 2));
+    let folds = folds(&curve);
+    // With one harmonic the number of solutions at an excitation is known.
+    let mut course = EntryCourse::new(&problem, hertz, 0.1, &Settings::new(1)).unwrap().unwrap();
+    let single = follow(&mut course, 0.1, 20.0, &ContinuationOptions::default());
+    for point in single.points.iter().filter(|p| p.fold) {
+        let count = |excitation: f64| {
+            let plan = Plan::new(&problem(excitation).unwrap(), &Settings::new(1)).unwrap();
+            plan.solve(hertz, &mut plan.workspace()).solutions.unwrap()
+        };
+        let counts = [count(point.parameter * (1.0 - 1e-9)), count(point.parameter * (1.0 + 1e-9))];
+        assert!(counts == [1, 3] || counts == [3, 1], "{}: {counts:?}", point.parameter);
+        // More harmonics move the folds a little.
+        assert!(folds.iter().any(|(at, _)| (at / point.parameter - 1.0).abs() < 0.05));
+    }
+}
+
+/// Where friction holds the contact there is no curve to follow.
+#[test]
+fn a_contact_at_rest_has_no_curve() {
+    let mut problem = paper_scene();
+    problem.excitation[0].amplitude = 1e-3;
+    assert_eq!(curve(&problem, 3, 70.0, 80.0).end, CurveEnd::Rest);
+}
