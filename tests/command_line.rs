@@ -114,6 +114,27 @@ fn the_number_of_threads_changes_nothing() {
 }
 
 #[test]
+fn each_point_takes_the_harmonics_it_needs() {
+    let folder = example("elastic-coulomb");
+    let arguments = ["sweep", "elastic-coulomb.json", "--harmonics", "1e-3:63", "--frequencies", "44:116:13"];
+    let value = result(&run(folder.path(), &arguments));
+    let points = value["points"].as_array().unwrap();
+    for point in points {
+        let n = point["harmonics"].as_u64().unwrap();
+        assert!(n == 63 || point["truncation_error"].as_f64().unwrap() <= 1e-3, "{point}");
+        assert_eq!(point["sampling_error"], 0.0);
+        // Spectra end where the point does.
+        let spectra = [&point["displacement"]["w1"], &point["contacts"]["root"]["force"]];
+        assert!(
+            spectra.iter().all(|rows| rows.as_array().unwrap().last().unwrap()[0].as_u64() == Some(n)),
+            "{point}"
+        );
+    }
+    let needed = || points.iter().map(|point| point["harmonics"].as_u64().unwrap());
+    assert!(needed().min() < needed().max(), "{:?}", needed().collect::<Vec<_>>());
+}
+
+#[test]
 fn csv_is_long() {
     let folder = example("cubic");
     let arguments =

@@ -1,14 +1,13 @@
 //! Response curves through folds: against closed forms, published folds, and points solved one by one.
 
 use hbm::{
-    ContinuationOptions, Curve, CurveEnd, Damping, EntryCourse, FrequencyCourse, Model, Plan, Problem,
-    Settings, follow,
+    ContinuationOptions, Curve, CurveEnd, Damping, Model, Plan, Problem, Settings, entry_curve,
+    frequency_curve,
 };
 use stickslip_tests::{elastic_coulomb, paper_scene, scene_p, scene_p_cubic, scene_r, unit_masses};
 
 fn curve(problem: &Problem, harmonics: usize, from: f64, to: f64) -> Curve {
-    let mut course = FrequencyCourse::new(problem, &Settings::new(harmonics)).unwrap();
-    follow(&mut course, from, to, &ContinuationOptions::default())
+    frequency_curve(problem, &Settings::new(harmonics), (from, to), &ContinuationOptions::default()).unwrap()
 }
 
 fn folds(curve: &Curve) -> Vec<(f64, f64)> {
@@ -108,15 +107,16 @@ fn along_an_entry_of_the_problem() {
         problem.excitation[0].amplitude = amplitude;
         Some(problem)
     };
-    let (hertz, settings) = (43.5, Settings::new(5));
-    let mut course = EntryCourse::new(&problem, hertz, 0.1, &settings).unwrap().unwrap();
-    let curve = follow(&mut course, 0.1, 20.0, &ContinuationOptions::default());
+    let hertz = 43.5;
+    let along = |harmonics: usize| {
+        let options = ContinuationOptions::default();
+        entry_curve(&problem, hertz, &Settings::new(harmonics), (0.1, 20.0), &options).unwrap()
+    };
+    let curve = along(5);
     assert_eq!((curve.end, folds(&curve).len()), (CurveEnd::Reached, 2));
     let folds = folds(&curve);
     // With one harmonic the number of solutions at an excitation is known.
-    let mut course = EntryCourse::new(&problem, hertz, 0.1, &Settings::new(1)).unwrap().unwrap();
-    let single = follow(&mut course, 0.1, 20.0, &ContinuationOptions::default());
-    for point in single.points.iter().filter(|p| p.fold) {
+    for point in along(1).points.iter().filter(|p| p.fold) {
         let count = |excitation: f64| {
             let plan = Plan::new(&problem(excitation).unwrap(), &Settings::new(1)).unwrap();
             plan.solve(hertz, &mut plan.workspace()).solutions.unwrap()

@@ -35,7 +35,7 @@ fn study() -> Value {
         "scene": "two-mass.json",
         "vary": { "/contacts/0/law/symmetric": [] , "/excitation/0/amplitude": { "from": 5, "to": 20, "points": 4 },
                   "/model/stiffness/0/0": [8.0e5, 8.2e5, 8.4e5] },
-        "frequencies": { "from": 40, "to": 110, "points": 36 },
+        "frequencies": { "from": 40, "to": 110, "points": 15 },
         "harmonics": [1, 3],
         "keep": "peaks"
     })
@@ -87,7 +87,7 @@ fn a_study_has_the_form_that_was_promised() {
     scene["excitation"][0]["amplitude"] = json!(5);
     scene["model"]["stiffness"][0][0] = json!(8.0e5);
     fs::write(folder.path().join("one.json"), scene.to_string()).unwrap();
-    let sweep = run(folder.path(), &["sweep", "one.json", "--frequencies", "40:110:36"]);
+    let sweep = run(folder.path(), &["sweep", "one.json", "--frequencies", "40:110:15"]);
     let sweep: Value = serde_json::from_slice(&sweep.stdout).unwrap();
     let at = sweep["points"]
         .as_array()
@@ -114,7 +114,7 @@ fn an_interrupted_study_goes_on_and_threads_change_nothing() {
 
     let dry = run(folder.path(), &["study", "study.json", "--dry-run"]);
     assert!(
-        stdout(&dry).starts_with("study: 24 cases of 36 frequencies, 864 points to solve\n"),
+        stdout(&dry).starts_with("study: 24 cases of 15 frequencies, 360 points to solve\n"),
         "{}",
         stdout(&dry)
     );
@@ -143,7 +143,7 @@ fn an_interrupted_study_goes_on_and_threads_change_nothing() {
 fn what_is_finished_when_it_is_stopped_is_kept() {
     let mut long = good();
     long["vary"]["/excitation/0/amplitude"]["points"] = json!(60);
-    long["harmonics"] = json!([7]);
+    long["harmonics"] = json!([3]);
     let folder = folder(&long);
     let part = folder.path().join("out.csv.part");
     let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
@@ -198,7 +198,7 @@ fn pictures_of_one_and_two_entries() {
     let output = run(folder.path(), &arguments);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let svg = fs::read_to_string(folder.path().join("one.svg")).unwrap();
-    assert!(svg.contains("N = 3") && svg.contains("dissipation at the peak of w2"));
+    assert!(svg.contains("N = 3") && svg.contains("dissipation at peak, w2"));
 }
 
 #[test]
@@ -223,6 +223,8 @@ fn what_cannot_be_studied() {
         "--dof: there is no output dof \"w3\"",
     );
     refused(&["study", "good.json", "-o", "good.json"], "named twice");
+    refused(&["study", "good.json", "-o", "./two-mass.json", "--format", "json"], "named twice");
+    refused(&["study", "good.json", "-o", "loops/reference.csv"], "named twice");
     refused(&["study", "good.json", "-o", "x.txt"], "no format is called .txt");
     assert!(!folder.path().join("out.csv.part").exists());
 }

@@ -149,6 +149,75 @@ fn harmonics_below_the_excitation_are_skipped() {
 }
 
 #[test]
+fn friction_is_measured_against_the_exact_orbit() {
+    let folder = example("elastic-coulomb");
+    // At 40 Hz all sliders stick: no events, no orbit.
+    let arguments = ["truncation", "elastic-coulomb.json", "--harmonics", "1,31", "--frequencies", "40,57"];
+    let output = run(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let value = answer(&output);
+    assert_eq!(value["reference"], "orbit");
+    let rows = value["rows"].as_array().unwrap();
+    assert_eq!((&rows[0]["reference"], &rows[2]["reference"]), (&json!("harmonics:127"), &Value::Null));
+    assert!((rows[2]["error"].as_f64().unwrap() / 0.675 - 1.0).abs() < 0.03, "{}", rows[2]);
+    assert!((rows[3]["error"].as_f64().unwrap() / 2.55e-5 - 1.0).abs() < 0.03, "{}", rows[3]);
+    assert!(
+        stderr(&output).contains("no orbit was found at 40 Hz (every slider sticks"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn an_orbit_has_spectrum_events_and_waveform() {
+    let folder = example("elastic-coulomb");
+    let base = ["orbit", "elastic-coulomb.json", "--frequency", "62"];
+    let with = |more: &[&str]| run(folder.path(), &[&base[..], more].concat());
+    let output = with(&["--harmonics", "5", "--waveform", "orbit.csv", "--plot", "orbit.svg"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let value = answer(&output);
+    let expected = [
+        "amplitude",
+        "closure",
+        "contacts",
+        "displacement",
+        "energy_error",
+        "events",
+        "format_version",
+        "frequency",
+        "period",
+        "scene",
+        "units",
+    ];
+    assert_eq!(keys(&value), expected);
+    assert!(value["closure"].as_f64().unwrap() < 1e-11 && value["energy_error"].as_f64().unwrap() < 1e-9);
+    let spectrum = value["displacement"]["w1"].as_array().unwrap();
+    assert_eq!(spectrum.len(), 6);
+    let first = spectrum[1][1].as_f64().unwrap().hypot(spectrum[1][2].as_f64().unwrap());
+    assert!((first / 2.943539707e-6 - 1.0).abs() < 1e-8);
+    let events = value["events"].as_array().unwrap();
+    assert_eq!(events.len(), 8);
+    assert_eq!(keys(&events[0]), ["begins", "contact", "direction", "slider", "time"]);
+    assert_eq!(events[0]["contact"], "root");
+    assert_eq!(keys(&value["contacts"]["root"]), ["dissipation", "force"]);
+    let csv = fs::read_to_string(folder.path().join("orbit.csv")).unwrap();
+    let header = "time [s],w1 [m],w1 velocity [m/s],w2 [m],w2 velocity [m/s],root force [N]\n";
+    assert!(csv.starts_with(header), "{}", csv.lines().next().unwrap());
+    assert_eq!(csv.lines().count(), 2049);
+    assert!(fs::read_to_string(folder.path().join("orbit.svg")).unwrap().contains("time / period"));
+    let text = with(&["--format", "text"]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.starts_with("elastic-coulomb at 62 Hz: the exact periodic motion\n"), "{text}");
+    assert!(text.contains("8 events in a period") && text.contains("slip begins (−)"), "{text}");
+    // Nothing to follow is no mistake of the scene.
+    let stuck =
+        run(folder.path(), &["orbit", "elastic-coulomb.json", "--frequency", "40", "-o", "none.json"]);
+    assert_eq!(stuck.status.code(), Some(1), "{}", stderr(&stuck));
+    assert!(stderr(&stuck).contains("no orbit at 40 Hz: every slider sticks"), "{}", stderr(&stuck));
+    assert!(!folder.path().join("none.json").exists());
+}
+
+#[test]
 fn what_cannot_be_asked_for() {
     let folder = example("two-mass");
     let refused = |arguments: &[&str], message: &str| {

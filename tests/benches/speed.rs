@@ -10,7 +10,8 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_main};
 use hbm::{Plan, Problem, Settings, Solution, SweepOptions, sweep};
 use hysteresis::{FitSettings, ReadOptions, Record};
 use num_complex::Complex64;
-use stickslip_tests::{SampledMotion, paper_scene, scene_p_cubic, scene_r};
+use stickslip_tests::orbit_models::two_mass;
+use stickslip_tests::{SampledMotion, elastic_coulomb, paper_scene, scene_p_cubic, scene_r};
 
 fn loop_fit(c: &mut Criterion) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/loops/reference.csv");
@@ -69,6 +70,20 @@ fn points(c: &mut Criterion) {
     group.finish();
 }
 
+/// Mean time of one exact orbit, from rest; frequencies at which the contact slips.
+fn orbits(c: &mut Criterion) {
+    let mut group = c.benchmark_group("exact orbit");
+    let frequencies = [57.0, 62.0, 75.0, 100.0, 108.0, 112.0];
+    group.throughput(Throughput::Elements(frequencies.len() as u64));
+    let system = two_mass(elastic_coulomb(6.705e6, 6.705e6 * 2.232e-6));
+    group.bench_function("elastic_coulomb", |b| {
+        b.iter(|| {
+            frequencies.map(|hertz| orbit::find(black_box(&system), hertz, &orbit::Settings::default()))
+        });
+    });
+    group.finish();
+}
+
 /// 20 000 points at N = 7 on one and two threads.
 fn threads(c: &mut Criterion) {
     let mut group = c.benchmark_group("sweep of 20000 points, N = 7");
@@ -87,8 +102,8 @@ fn threads(c: &mut Criterion) {
 /// The groups above, as criterion's macro collects them.
 #[allow(missing_docs)]
 mod collected {
-    use super::{law_evaluation, loop_fit, points, threads};
-    criterion::criterion_group!(benches, loop_fit, law_evaluation, points, threads);
+    use super::{law_evaluation, loop_fit, orbits, points, threads};
+    criterion::criterion_group!(benches, loop_fit, law_evaluation, points, orbits, threads);
 }
 
 criterion_main!(collected::benches);

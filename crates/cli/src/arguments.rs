@@ -309,7 +309,7 @@ pub struct InitArguments {
 pub enum Format {
     /// Everything.
     Json,
-    /// Displacements, one line a harmonic.
+    /// A flat table.
     Csv,
 }
 

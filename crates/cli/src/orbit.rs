@@ -28,9 +28,7 @@ pub fn run(arguments: &OrbitArguments) -> Result<Ending, Failure> {
 
     let orbit = match truths.orbit(arguments.frequency) {
         Ok(orbit) => orbit,
-        Err(error) if matches!(error, OrbitError::NoMechanism { .. }) => {
-            return Err(in_file(&arguments.scene, error));
-        }
+        Err(error) if never(&error) => return Err(in_file(&arguments.scene, error)),
         Err(error) => {
             say(format_args!("no orbit at {} Hz: {error}", arguments.frequency));
             return Ok(Ending::SomeFailed);
@@ -48,6 +46,12 @@ pub fn run(arguments: &OrbitArguments) -> Result<Ending, Failure> {
         figure::orbit(figure, &motion)?;
     }
     Ok(Ending::Done)
+}
+
+/// Whether the scene has no orbit at any frequency.
+fn never(error: &OrbitError) -> bool {
+    use OrbitError::{Mixed, NoExcitation, NoMechanism, SingularMass};
+    matches!(error, NoMechanism { .. } | Mixed { .. } | SingularMass | NoExcitation)
 }
 
 /// Harmonics of the solution from which the orbit is looked for.

@@ -24,6 +24,9 @@ pub fn run(arguments: &StudyArguments) -> Result<Ending, Failure> {
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
     output::distinct(&arguments.study, &[&arguments.output, &arguments.plot])?;
     let study = Study::from_file(&arguments.study).map_err(|error| refused(arguments, error))?;
+    for file in study.files() {
+        output::distinct(&file, &[&arguments.output, &arguments.plot])?;
+    }
     let dof = drawn_dof(&study, arguments)?;
     if arguments.dry_run {
         return output::print(&plan(&study));
@@ -88,7 +91,9 @@ pub fn run(arguments: &StudyArguments) -> Result<Ending, Failure> {
 fn refused(arguments: &StudyArguments, error: StudyError) -> Failure {
     match error {
         StudyError::Keeping { .. } => Failure::Output(anyhow::Error::new(error)),
-        StudyError::Unreadable { .. } | StudyError::OtherStudy { .. } => Failure::input(error),
+        StudyError::Unreadable { .. } | StudyError::OtherStudy { .. } | StudyError::Busy { .. } => {
+            Failure::input(error)
+        }
         error => in_file(&arguments.study, error),
     }
 }
@@ -219,9 +224,9 @@ fn draw(
     let name = study.dofs().get(dof).map_or("", String::as_str);
     let quantity = match arguments.quantity {
         Quantity::Amplitude => (format!("peak of {name}"), "m"),
-        Quantity::First => (format!("first harmonic at the peak of {name}"), "m"),
-        Quantity::Frequency => (format!("frequency of the peak of {name}"), "Hz"),
-        Quantity::Dissipation => (format!("dissipation at the peak of {name}"), "J"),
+        Quantity::First => (format!("first harmonic at peak, {name}"), "m"),
+        Quantity::Frequency => (format!("frequency of peak, {name}"), "Hz"),
+        Quantity::Dissipation => (format!("dissipation at peak, {name}"), "J"),
     };
     let value = |case: &FinishedCase| {
         let entry = highest(case, dof)?;

@@ -118,7 +118,6 @@ fn csv(study: &Truncation, out: &mut dyn io::Write) -> io::Result<()> {
 fn text(study: &Truncation) -> String {
     let against = match study.reference.strip_prefix("harmonics:") {
         Some(n) => format!("N = {n}"),
-        None if study.reference.is_empty() => "nothing".into(),
         None => "the exact orbit".into(),
     };
     let many = study.rates.len() > EVERY_ROW;

@@ -13,10 +13,13 @@
 use faer::{Mat, c64};
 
 use crate::balance::Homotopy;
-use crate::course::Course;
+use crate::course::{Course, EntryCourse, FrequencyCourse, HOMOTOPY_START, HomotopyCourse};
 use crate::dense::Lu;
+use crate::error::PlanError;
 use crate::newton::FLOOR;
-use crate::plan::Workspace;
+use crate::plan::{Plan, Workspace};
+use crate::problem::Problem;
+use crate::settings::Settings;
 use crate::solution::{Solution, Status};
 
 /// How a curve is followed.
@@ -116,11 +119,41 @@ struct Place {
     residual: f64,
 }
 
+/// The response of `problem` as a curve from one frequency in Hz to another, with N harmonics solved by Newton's method
+/// throughout (no tail, no estimates). No resonance of the linear structure, with contacts sticking or without any, is
+/// stepped over.
+///
+/// # Errors
+/// As [`Plan::new`].
+pub fn frequency_curve(
+    problem: &Problem,
+    settings: &Settings,
+    (from, to): (f64, f64),
+    options: &ContinuationOptions,
+) -> Result<Curve, PlanError> {
+    Ok(follow(&mut FrequencyCourse::new(problem, settings)?, from, to, options))
+}
+
+/// The response at one `frequency` in Hz as a curve in a parameter of the problem; `problem` answers `None` for a
+/// parameter that makes no sense.
+///
+/// # Errors
+/// As [`Plan::new`], at the beginning of the curve.
+pub fn entry_curve(
+    problem: &dyn Fn(f64) -> Option<Problem>,
+    frequency: f64,
+    settings: &Settings,
+    (from, to): (f64, f64),
+    options: &ContinuationOptions,
+) -> Result<Curve, PlanError> {
+    Ok(follow(&mut EntryCourse::new(problem, frequency, from, settings)?, from, to, options))
+}
+
 /// Follows the curve of `course` from one parameter to another.
-pub fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOptions) -> Curve {
+fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOptions) -> Curve {
     let mut workspace = course.plan().workspace();
     let mut curve = Curve { points: Vec::new(), end: CurveEnd::NoStart };
-    let Some(first) = course.start(from, &mut workspace) else { return curve };
+    let first = course.plan().solve(course.frequency(from), &mut workspace);
     if first.status != Status::Converged || workspace.point.width() < first.contacts.len() {
         curve.end = if first.status.solved() { CurveEnd::Rest } else { CurveEnd::NoStart };
         return curve;
@@ -209,7 +242,7 @@ impl<'c> Tracer<'c> {
         (from, to): (f64, f64),
         options: &ContinuationOptions,
     ) -> Self {
-        let entries = ws.point.width() * course.plan().slots();
+        let entries = ws.point.width() * course.plan().rungs[ws.goal].slots;
         Self {
             forward: (to - from).signum(),
             longest: options.longest_step * (to - from).abs(),
@@ -225,14 +258,14 @@ impl<'c> Tracer<'c> {
     /// Number of real unknowns.
     fn size(&self) -> usize {
         let plan = self.course.plan();
-        plan.balance(self.ws.goal).size(self.ws.point.width(), plan.slots())
+        plan.balance(self.ws.goal).size(self.ws.point.width(), plan.rungs[self.ws.goal].slots)
     }
 
     /// Copies real unknowns to the complex ones of the workspace.
     fn load(&mut self, unknowns: &[f64]) {
         let (plan, width) = (self.course.plan(), self.ws.point.width());
         let balance = plan.balance(self.ws.goal);
-        for entry in 0..plan.slots() * width {
+        for entry in 0..plan.rungs[self.ws.goal].slots * width {
             let (r, is_complex) = balance.real_index(width, entry / width, entry % width);
             self.ws.unknowns[entry] = c64::new(unknowns[r], if is_complex { unknowns[r + 1] } else { 0.0 });
         }
@@ -243,7 +276,7 @@ impl<'c> Tracer<'c> {
         let (plan, width) = (self.course.plan(), self.ws.point.width());
         let balance = plan.balance(self.ws.goal);
         let mut real = vec![0.0; self.size()];
-        for (entry, value) in entries.iter().enumerate().take(plan.slots() * width) {
+        for (entry, value) in entries.iter().enumerate().take(plan.rungs[self.ws.goal].slots * width) {
             let (r, is_complex) = balance.real_index(width, entry / width, entry % width);
             real[r] = value.re;
             if is_complex {
@@ -260,11 +293,12 @@ impl<'c> Tracer<'c> {
         }
         self.load(unknowns);
         let (plan, goal) = (self.course.plan(), self.ws.goal);
-        let slots = plan.slots();
+        let slots = plan.rungs[goal].slots;
+        let homotopy = self.course.homotopy(parameter);
         let norm = plan.balance(goal).evaluate(
             &self.ws.point,
             slots,
-            Homotopy::NONE,
+            homotopy,
             &self.ws.unknowns,
             &mut self.ws.balance[goal],
         );
@@ -282,8 +316,8 @@ impl<'c> Tracer<'c> {
         let balance = plan.balance(goal);
         balance.jacobian(
             &self.ws.point,
-            plan.slots(),
-            Homotopy::NONE,
+            plan.rungs[goal].slots,
+            self.course.homotopy(parameter),
             &mut self.ws.balance[goal],
             &mut self.lu.matrix,
         );
@@ -539,5 +573,33 @@ impl Metric {
     fn moved(&self, from: &Place, length: f64) -> Vec<f64> {
         let start = from.unknowns.iter().chain([&from.parameter]);
         start.zip(&from.tangent).map(|(x, t)| x + length * t).collect()
+    }
+}
+
+/// Points of a homotopy's curve.
+const MOST_HOMOTOPY_POINTS: usize = 300;
+
+impl Plan {
+    /// Follows `homotopy` from a solution in the unknowns at 0 to the problem at 1 along the arc, so through folds;
+    /// whether the end was reached. The unknowns then hold what was found there.
+    pub(crate) fn follow_homotopy(&self, homotopy: fn(f64) -> Homotopy, ws: &mut Workspace) -> bool {
+        let mut course = HomotopyCourse { plan: self, homotopy };
+        let (from, to) = (HOMOTOPY_START, HOMOTOPY_START + 1.0);
+        let mut tracer = Tracer::new(&mut course, ws, (from, to), &ContinuationOptions::default());
+        tracer.longest = 0.2;
+        let mut place = tracer.begin(from);
+        for _ in 0..MOST_HOMOTOPY_POINTS {
+            let Some((next, _)) = tracer.step(&place) else { return false };
+            if next.parameter >= to {
+                let Some(last) = tracer.at(&next, to) else { return false };
+                tracer.load(&last.unknowns);
+                return true;
+            }
+            if next.parameter < from - 0.5 {
+                return false;
+            }
+            place = next;
+        }
+        false
     }
 }

@@ -7,18 +7,19 @@ use crate::error::PlanError;
 use crate::plan::{Plan, Workspace};
 use crate::problem::Problem;
 use crate::settings::{Settings, Start};
-use crate::solution::Solution;
 
 /// A family of balances in one parameter.
-pub trait Course {
+pub(crate) trait Course {
     /// The plan at the parameter placed last.
     fn plan(&self) -> &Plan;
 
     /// The frequency in Hz at `parameter`.
     fn frequency(&self, parameter: f64) -> f64;
 
-    /// Solves at `parameter` without a curve; `None` when the problem cannot be posed there.
-    fn start(&mut self, parameter: f64, workspace: &mut Workspace) -> Option<Solution>;
+    /// How the balance is changed at `parameter`.
+    fn homotopy(&self, _parameter: f64) -> Homotopy {
+        Homotopy::NONE
+    }
 
     /// Makes the workspace ready for evaluations at `parameter`; whether that is possible.
     fn place(&mut self, parameter: f64, workspace: &mut Workspace) -> bool;
@@ -97,7 +98,7 @@ impl Plan {
 
 /// Continuation in the frequency.
 #[derive(Debug)]
-pub struct FrequencyCourse {
+pub(crate) struct FrequencyCourse {
     plan: Plan,
     /// Frequencies in Hz at which the linear structure is resonant, and half-power bandwidths.
     resonances: Vec<(f64, f64)>,
@@ -105,10 +106,7 @@ pub struct FrequencyCourse {
 
 impl FrequencyCourse {
     /// The course of `problem`, with N harmonics solved by Newton's method throughout.
-    ///
-    /// # Errors
-    /// As [`Plan::new`].
-    pub fn new(problem: &Problem, settings: &Settings) -> Result<Self, PlanError> {
+    pub(crate) fn new(problem: &Problem, settings: &Settings) -> Result<Self, PlanError> {
         let plan = Plan::new(problem, &whole(settings))?;
         Ok(Self { resonances: resonances(problem, plan.orders()), plan })
     }
@@ -164,10 +162,6 @@ impl Course for FrequencyCourse {
         parameter
     }
 
-    fn start(&mut self, parameter: f64, ws: &mut Workspace) -> Option<Solution> {
-        Some(self.plan.solve(parameter, ws))
-    }
-
     fn place(&mut self, parameter: f64, ws: &mut Workspace) -> bool {
         self.plan.place(parameter, ws)
     }
@@ -184,7 +178,7 @@ impl Course for FrequencyCourse {
 }
 
 /// Continuation in an entry of the problem at one frequency.
-pub struct EntryCourse<'p> {
+pub(crate) struct EntryCourse<'p> {
     plan: Plan,
     frequency: f64,
     settings: Settings,
@@ -193,18 +187,17 @@ pub struct EntryCourse<'p> {
 
 impl<'p> EntryCourse<'p> {
     /// The course of `problem(λ)` at `frequency` in Hz; `from` is where it begins.
-    ///
-    /// # Errors
-    /// As [`Plan::new`]; `None` where there is no problem at `from`.
-    pub fn new(
+    pub(crate) fn new(
         problem: &'p dyn Fn(f64) -> Option<Problem>,
         frequency: f64,
         from: f64,
         settings: &Settings,
-    ) -> Option<Result<Self, PlanError>> {
+    ) -> Result<Self, PlanError> {
         let settings = whole(settings);
-        let first = problem(from)?;
-        Some(Plan::new(&first, &settings).map(|plan| Self { plan, frequency, settings, problem }))
+        let missing =
+            || PlanError { place: "from".into(), problem: format!("there is no problem at {from}") };
+        let plan = Plan::new(&problem(from).ok_or_else(missing)?, &settings)?;
+        Ok(Self { plan, frequency, settings, problem })
     }
 
     /// The residual at `parameter` of the unknowns in the workspace.
@@ -225,10 +218,6 @@ impl Course for EntryCourse<'_> {
 
     fn frequency(&self, _parameter: f64) -> f64 {
         self.frequency
-    }
-
-    fn start(&mut self, _parameter: f64, ws: &mut Workspace) -> Option<Solution> {
-        Some(self.plan.solve(self.frequency, ws))
     }
 
     fn place(&mut self, parameter: f64, ws: &mut Workspace) -> bool {
@@ -253,6 +242,57 @@ impl Course for EntryCourse<'_> {
             *above = (*above - below) / (2.0 * h);
         }
         found && back
+    }
+
+    fn reach(&self, _parameter: f64) -> f64 {
+        f64::INFINITY
+    }
+}
+
+/// Homotopies run from this parameter on, one unit far: lengths are relative to the parameter.
+pub(crate) const HOMOTOPY_START: f64 = 1.0;
+
+/// A homotopy to the problem of a plan at the frequency condensed last.
+pub(crate) struct HomotopyCourse<'p> {
+    pub(crate) plan: &'p Plan,
+    /// Of the part of the way, 0 … 1 and a little beyond.
+    pub(crate) homotopy: fn(f64) -> Homotopy,
+}
+
+impl Course for HomotopyCourse<'_> {
+    fn plan(&self) -> &Plan {
+        self.plan
+    }
+
+    fn frequency(&self, _parameter: f64) -> f64 {
+        0.0
+    }
+
+    fn homotopy(&self, parameter: f64) -> Homotopy {
+        (self.homotopy)(parameter - HOMOTOPY_START)
+    }
+
+    fn place(&mut self, _parameter: f64, _ws: &mut Workspace) -> bool {
+        true
+    }
+
+    fn slope(&mut self, parameter: f64, ws: &mut Workspace, slope: &mut [c64]) -> bool {
+        let goal = ws.goal;
+        let mut at = |parameter: f64, into: &mut [c64]| -> bool {
+            let Workspace { point, unknowns, balance, .. } = &mut *ws;
+            let homotopy = self.homotopy(parameter);
+            let slots = self.plan.rungs[goal].slots;
+            let evaluated =
+                self.plan.balance(goal).evaluate(point, slots, homotopy, unknowns, &mut balance[goal]);
+            into.copy_from_slice(&balance[goal].residual[..into.len()]);
+            evaluated.is_ok()
+        };
+        let mut other = vec![c64::ZERO; slope.len()];
+        let found = at(parameter + DIFFERENCE, slope) && at(parameter - DIFFERENCE, &mut other);
+        for (above, below) in slope.iter_mut().zip(&other) {
+            *above = (*above - below) / (2.0 * DIFFERENCE);
+        }
+        at(parameter, &mut other) && found
     }
 
     fn reach(&self, _parameter: f64) -> f64 {

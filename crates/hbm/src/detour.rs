@@ -1,5 +1,5 @@
-//! The last resort at a frequency: solve a nearby one and come back in small steps. The detours are the same for every
-//! sweep, so a point still does not depend on its neighbours.
+//! Ways back from an easier structure: one with more damping, or, as a last resort, at a nearby frequency. The ways are
+//! the same for every sweep, so a point still does not depend on its neighbours.
 
 use faer::c64;
 
@@ -16,6 +16,9 @@ const STEPS: usize = 60;
 /// The shortest step of a way back, as a fraction of it.
 const SHORTEST: f64 = 1e-3;
 
+/// Structural damping that makes a point easy.
+const DAMPING: f64 = 1.0;
+
 impl Plan {
     /// Solves at frequencies around `hertz` until one leads back to it. Leaves the workspace at `hertz`.
     pub(crate) fn detour(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
@@ -23,24 +26,35 @@ impl Plan {
         if hertz > 0.0 {
             for factor in DETOURS {
                 ws.stats.detours += 1;
-                outcome = self.way_back(hertz, factor, ws);
+                outcome = self.way_back(|left| (hertz * factor.powf(left), 0.0), ws);
                 if outcome.converged {
                     return outcome;
                 }
             }
         }
-        self.move_to(hertz, ws);
+        self.move_to((hertz, 0.0), ws);
         outcome
     }
 
-    /// Condenses at `hertz`, keeping the motion in the unknowns; whether the structure allows it.
-    fn move_to(&self, hertz: f64, ws: &mut Workspace) -> bool {
+    /// From much structural damping to that of the model. Leaves the workspace at `hertz`.
+    pub(crate) fn damping_homotopy(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
+        ws.stats.damping_homotopies += 1;
+        let outcome = self.way_back(|left| (hertz, DAMPING * left * left), ws);
+        if !outcome.converged {
+            self.move_to((hertz, 0.0), ws);
+        }
+        outcome
+    }
+
+    /// Condenses at a frequency with added damping, keeping the motion in the unknowns; whether the structure allows it.
+    fn move_to(&self, (hertz, damping): (f64, f64), ws: &mut Workspace) -> bool {
         let slots = self.rungs[ws.goal].slots;
         let count = slots * ws.point.width();
         let width = ws.point.width().max(1);
         for (entry, unknown) in ws.unknowns.iter_mut().enumerate().take(count) {
             *unknown *= ws.point.length[entry % width];
         }
+        ws.condensed.added_damping = damping;
         let regular = self.structure.condense(hertz, 0..slots, &mut ws.condensed).is_ok();
         ws.ready = slots;
         ws.point.set(&ws.condensed, &self.contacts, slots, &ws.held);
@@ -50,11 +64,11 @@ impl Plan {
         regular
     }
 
-    /// From a solution at `hertz · factor` to `hertz` in steps that adapt to success.
-    fn way_back(&self, hertz: f64, factor: f64, ws: &mut Workspace) -> Outcome {
+    /// From a solution at `place(1)` (a frequency and added damping) to `place(0)` in steps that adapt to success.
+    fn way_back(&self, place: impl Fn(f64) -> (f64, f64), ws: &mut Workspace) -> Outcome {
         let (last, slots) = (ws.goal, self.rungs[ws.goal].slots);
         let count = slots * ws.point.width();
-        if !self.move_to(hertz * factor, ws) {
+        if !self.move_to(place(1.0), ws) {
             return Outcome::NONE;
         }
         ws.unknowns[..count].fill(c64::ZERO);
@@ -68,7 +82,7 @@ impl Plan {
         let (mut left, mut step) = (1.0_f64, 0.25_f64);
         for _ in 0..STEPS {
             let next = (left - step).max(0.0);
-            if !self.move_to(hertz * factor.powf(next), ws) {
+            if !self.move_to(place(next), ws) {
                 return Outcome::NONE;
             }
             outcome = self.iterate(last, slots, Homotopy::NONE, ws);

@@ -82,14 +82,18 @@ impl Plan {
     /// What is tried when the ladder failed, in turn, until one solves the balance with all harmonics.
     pub(crate) fn fall_back(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
         let mut best = Outcome::NONE;
-        let attempts: [fn(&Self, &mut Workspace) -> Outcome; 4] = [
-            Self::secant_homotopy,
-            Self::contact_homotopy,
-            Self::excitation_homotopy,
-            Self::perturbed_starts,
+        type Attempt = fn(&Plan, f64, &mut Workspace) -> Outcome;
+        let attempts: [Attempt; 7] = [
+            |plan, _, ws| plan.secant_homotopy(ws),
+            |plan, _, ws| plan.contact_homotopy(ws),
+            |plan, _, ws| plan.excitation_homotopy(ws),
+            Self::damping_homotopy,
+            |plan, _, ws| plan.arclength_homotopy(ws),
+            |plan, _, ws| plan.perturbed_starts(ws),
+            Self::detour,
         ];
         for attempt in attempts {
-            let outcome = attempt(self, ws);
+            let outcome = attempt(self, hertz, ws);
             if outcome.converged {
                 return outcome;
             }
@@ -97,8 +101,7 @@ impl Plan {
                 best = outcome;
             }
         }
-        let outcome = self.detour(hertz, ws);
-        if outcome.converged { outcome } else { best }
+        best
     }
 
     /// The ladder from rung `from` on: each rung's solution starts the next, new harmonics by one substitution. A rung
@@ -238,6 +241,36 @@ impl Plan {
         ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
         // Equal steps in √μ: contacts are felt early.
         self.follow(0.0, 1.0, 0.1, |s| Homotopy { contact: s * s, ..Homotopy::NONE }, ws)
+    }
+
+    /// The same along the arc: where the homotopy folds, the curve turns back and comes again. From contacts replaced by
+    /// secant stiffnesses, and from none.
+    fn arclength_homotopy(&self, ws: &mut Workspace) -> Outcome {
+        let slots = self.rungs[ws.goal].slots;
+        let count = slots * ws.point.width();
+        let from_secant = |s: f64| Homotopy { secant: 1.0 - s, ..Homotopy::NONE };
+        let from_nothing = |s: f64| Homotopy { contact: s, ..Homotopy::NONE };
+        let mut outcome = Outcome::NONE;
+        for secant in [true, false] {
+            let homotopy: fn(f64) -> Homotopy = if secant { from_secant } else { from_nothing };
+            ws.stats.arclength_homotopies += 1;
+            if secant {
+                self.secant_start(ws);
+                let first = self.rungs[0].slots * ws.point.width();
+                ws.kept[..first].copy_from_slice(&ws.unknowns[..first]);
+                self.solve_linearised(slots, self.first_slot().unwrap_or(0), ws);
+            } else {
+                ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
+            }
+            if self.iterate(ws.goal, slots, homotopy(0.0), ws).converged && self.follow_homotopy(homotopy, ws)
+            {
+                outcome = self.iterate(ws.goal, slots, Homotopy::NONE, ws);
+                if outcome.converged {
+                    break;
+                }
+            }
+        }
+        outcome
     }
 
     /// From an excitation so large that friction hardly matters down to the problem's own.
@@ -381,10 +414,12 @@ mod tests {
         assert!(solution.status.solved() && solution.stats.secant_homotopies == 0, "{:?}", solution.stats);
         let expected = solution.contacts[0].displacement.clone();
         type Fallback = fn(&Plan, &mut Workspace) -> Outcome;
-        let fallbacks: [(&str, Fallback); 4] = [
+        let fallbacks: [(&str, Fallback); 6] = [
             ("secant", Plan::secant_homotopy),
             ("contact", Plan::contact_homotopy),
             ("excitation", Plan::excitation_homotopy),
+            ("damping", |plan, ws| plan.damping_homotopy(57.0, ws)),
+            ("arclength", Plan::arclength_homotopy),
             ("detour", |plan, ws| plan.detour(57.0, ws)),
         ];
         for (name, fallback) in fallbacks {

@@ -37,8 +37,7 @@ mod transform;
 mod verification;
 mod waveform;
 
-pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, follow};
-pub use course::{Course, EntryCourse, FrequencyCourse};
+pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, entry_curve, frequency_curve};
 pub use error::{ModelError, PlanError};
 pub use model::{Damping, Model};
 pub use plan::{Plan, PlanFacts, Workspace};

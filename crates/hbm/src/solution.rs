@@ -98,6 +98,10 @@ pub struct Stats {
     pub contact_homotopies: usize,
     /// Homotopies in the excitation.
     pub excitation_homotopies: usize,
+    /// Homotopies in the damping.
+    pub damping_homotopies: usize,
+    /// Homotopies in the contact force along the arc, through folds.
+    pub arclength_homotopies: usize,
     /// Perturbed starts.
     pub perturbed_starts: usize,
     /// Detours over other frequencies.

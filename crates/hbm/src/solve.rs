@@ -45,6 +45,7 @@ impl Plan {
         ws.newton.history.clear();
         (ws.truncation_error, ws.sampling_error) = (None, None);
         ws.goal = self.first_goal();
+        ws.condensed.added_damping = 0.0;
         ws.ready = self.rungs[ws.goal].slots;
         if let Err(harmonic) = self.structure.condense(frequency, 0..ws.ready, &mut ws.condensed) {
             ws.has_previous = false;

@@ -74,6 +74,8 @@ pub(crate) struct Condensed {
     pub(crate) free_output: Vec<c64>,
     /// S in N/m, entry `[slot][l]`; zero nearly always.
     pub(crate) lent: Vec<c64>,
+    /// Structural damping added to every dof, as a part of its own dynamic stiffness; for homotopies.
+    pub(crate) added_damping: f64,
     lu: Lu<c64>,
     rhs: Mat<c64>,
     scale: Vec<f64>,
@@ -159,6 +161,7 @@ impl Structure {
             recovery: vec![c64::ZERO; slots * outputs * contacts],
             free_output: vec![c64::ZERO; slots * outputs],
             lent: vec![c64::ZERO; slots * contacts],
+            added_damping: 0.0,
             lu: Lu::new(n, contacts + 1),
             rhs: Mat::zeros(n, contacts + 1),
             scale: vec![1.0; n],
@@ -211,6 +214,12 @@ impl Structure {
                     omega * self.damping[(i, j)],
                 );
                 into.lu.matrix[(i, j)] = entry * (into.scale[i] * into.scale[j]);
+            }
+        }
+        if into.added_damping != 0.0 && omega > 0.0 {
+            for i in 0..n {
+                // The matrix is balanced: its diagonal is of order one.
+                into.lu.matrix[(i, i)] += c64::new(0.0, into.added_damping);
             }
         }
         for (l, &(first, second)) in self.contacts.iter().enumerate() {

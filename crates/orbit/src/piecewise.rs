@@ -9,6 +9,9 @@ use crate::scaled::Scaled;
 use crate::shooting::{Map, Passage};
 use crate::tangents::Tangents;
 
+/// Phase within which two instants are one.
+const INSTANT: f64 = 1e-12;
+
 /// States are (y, y', slider forces / limits).
 pub(crate) struct Piecewise<'a> {
     flow: Flow<'a>,
@@ -30,12 +33,12 @@ impl<'a> Piecewise<'a> {
         self.flow.begin(from);
         self.flow.follow(until, None, Some(&mut path))?;
         self.flow.state(&mut end);
-        // A slip that went on from the period before did not begin at τ = 0.
+        // A slip that goes on from the period before does not begin at τ = 0.
         let sliders = &self.flow.sliders;
         path.events.retain(|event| {
             let direction = f64::from(event.direction);
             let slipping = sliders.get(event.slider) == Some(&crate::flow::Motion::Slip { direction });
-            event.tau > 0.0 || event.kind != crate::settings::EventKind::Slip || !slipping
+            event.tau > INSTANT || event.kind != crate::settings::EventKind::Slip || !slipping
         });
         Ok((path, end, Passage { peak: self.flow.peak }))
     }

@@ -4,6 +4,9 @@
 /// rounding.
 pub(crate) const TERMS: usize = 20;
 
+/// Intervals that are looked at; only a polynomial that is zero but for rounding needs as many.
+const MOST_INTERVALS: u32 = 1000;
+
 /// `Σ c_j s^j`.
 pub(crate) type Polynomial = [f64; TERMS];
 
@@ -36,10 +39,13 @@ pub(crate) fn divided_by_s(c: &Polynomial) -> Polynomial {
 /// Appends all s ∈ (0, 1] where the polynomial changes its sign, ascending. Intervals are halved until a bound on the
 /// series shows that there is no root, or that there is no more than one.
 pub(crate) fn sign_changes(c: &Polynomial, roots: &mut Vec<f64>) {
-    search(c, (0.0, 1.0), 0, roots);
+    let mut budget = MOST_INTERVALS;
+    if c.iter().any(|c| *c != 0.0) {
+        search(c, (0.0, 1.0), 0, &mut budget, roots);
+    }
 }
 
-fn search(c: &Polynomial, (start, width): (f64, f64), halvings: u32, roots: &mut Vec<f64>) {
+fn search(c: &Polynomial, (start, width): (f64, f64), halvings: u32, budget: &mut u32, roots: &mut Vec<f64>) {
     let [constant, slope, rest @ ..] = c;
     let beyond: f64 = rest.iter().map(|c| c.abs()).sum();
     if constant.abs() > slope.abs() + beyond {
@@ -49,15 +55,16 @@ fn search(c: &Polynomial, (start, width): (f64, f64), halvings: u32, roots: &mut
     let end: f64 = c.iter().sum();
     let monotone = slope.abs() > bend;
     let changes = constant * end < 0.0 || (end == 0.0 && monotone && *constant != 0.0);
-    if monotone || halvings == MOST_HALVINGS {
+    *budget = budget.saturating_sub(1);
+    if monotone || halvings == MOST_HALVINGS || *budget == 0 {
         if changes {
             roots.push(start + width * root(c, 0.0, (0.0, 1.0)));
         }
         return;
     }
     let (left, right) = halves(c);
-    search(&left, (start, 0.5 * width), halvings + 1, roots);
-    search(&right, (start + 0.5 * width, 0.5 * width), halvings + 1, roots);
+    search(&left, (start, 0.5 * width), halvings + 1, budget, roots);
+    search(&right, (start + 0.5 * width, 0.5 * width), halvings + 1, budget, roots);
 }
 
 /// The polynomial over the left and the right half of its interval, each as a polynomial over [0, 1].
@@ -137,5 +144,8 @@ mod tests {
         // Outside, complex, touching.
         assert!(roots_of(&[-0.3, 1.2]).is_empty());
         assert!(roots_of(&[0.5, 0.5]).is_empty());
+        let mut none = Vec::new();
+        sign_changes(&[0.0; TERMS], &mut none);
+        assert!(none.is_empty());
     }
 }

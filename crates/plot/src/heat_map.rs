@@ -7,7 +7,7 @@ use kuva::render::layout::ComputedLayout;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::axis::Axis;
-use super::chart::{self, BOTTOM, Chart, RIGHT, TOP};
+use super::chart::{self, BOTTOM, Chart, LEFT, RIGHT, TOP};
 use super::sheet::{COLUMN, decorated};
 use super::{image, pen};
 
@@ -48,7 +48,7 @@ pub fn write_heat_map(map: &HeatMap, path: &Path) -> Result<()> {
 const FRAME: f64 = 240.0;
 
 /// Quantities that span more than this have logarithmic colours.
-const WIDE: f64 = 30.0;
+const WIDE: f64 = 10.0;
 
 /// Colours from dark to light, equally spaced to the eye and in grey print (viridis).
 const COLOURS: [[u8; 3]; 9] = [
@@ -66,8 +66,8 @@ const COLOURS: [[u8; 3]; 9] = [
 /// Cells without a value.
 const UNKNOWN: &str = "#dcdcdc";
 
-/// Colour bar: size in px and how many steps it is drawn with.
-const BAR: (f64, f64) = (96.0, 8.0);
+/// Colour bar: largest and least width and height in px, and how many steps it is drawn with.
+const BAR: (f64, f64, f64) = (96.0, 24.0, 8.0);
 const STEPS: usize = 96;
 
 fn draw(map: &HeatMap) -> Result<String> {
@@ -199,8 +199,11 @@ fn rectangle(x1: f64, y1: f64, x2: f64, y2: f64, fill: &str) -> Primitive {
 
 /// The colours between their least and greatest value, above the frame on the right.
 fn colour_bar(scene: &mut Scene, chart: &Chart, colours: &Colours, [least, most]: [String; 2]) {
-    let (width, height) = BAR;
+    let (widest, narrowest, height) = BAR;
     let right = chart.width - RIGHT - pen::text_width(&most, pen::TICK_SIZE) - 4.0;
+    let heading = LEFT + pen::text_width(&chart.heading, pen::LABEL_SIZE);
+    let free = right - heading - pen::text_width(&least, pen::TICK_SIZE) - 14.0;
+    let width = free.clamp(narrowest, widest);
     let left = right - width;
     let top = TOP - 6.0 - height;
     let step = width / STEPS as f64;

@@ -51,7 +51,7 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
         step("other solutions", false, "not asked for (--all-solutions)")
     });
     steps.push(needed_harmonics(settings));
-    steps.push(slaved_harmonics());
+    steps.push(slaved_harmonics(&facts));
     steps.push(estimate(&facts, settings));
     let alone = format!("{NOT_YET}; each frequency is solved on its own");
     steps.push(step("continuation through folds", false, alone));
@@ -77,8 +77,24 @@ fn needed_harmonics(settings: &Settings) -> Step {
     }
 }
 
-fn slaved_harmonics() -> Step {
-    step("slaved high harmonics", false, "all harmonics are solved together")
+fn slaved_harmonics(facts: &PlanFacts) -> Step {
+    let what = "slaved high harmonics";
+    match facts.tail_after {
+        Some(n) => step(
+            what,
+            true,
+            format!(
+                "those above {n} that the structure barely answers are found by substitution, without Newton"
+            ),
+        ),
+        None if facts.linear || facts.scalar => {
+            step(what, false, "there is no iteration that could leave them out")
+        }
+        None if !facts.bounded_stiffness => {
+            step(what, false, "a contact has no largest stiffness, so all harmonics are solved together")
+        }
+        None => step(what, false, "all harmonics are solved together"),
+    }
 }
 
 fn estimate(facts: &PlanFacts, settings: &Settings) -> Step {

@@ -54,6 +54,12 @@ pub enum StudyError {
         /// The file with the finished cases.
         path: PathBuf,
     },
+    /// Another run has the finished cases.
+    #[error("{} is in use by another run of this study; wait for it, or name another output", path.display())]
+    Busy {
+        /// The file with the finished cases.
+        path: PathBuf,
+    },
     /// The finished cases cannot be kept.
     #[error("cannot keep finished cases in {}: {source}", path.display())]
     Keeping {

@@ -1,6 +1,6 @@
 //! A study: a grid over entries of a scene and numbers of harmonics, and what is kept of each case.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use scene::reading::{Node, Object, parse, show};
 use scene::{Frequencies, Harmonics, Scene, SceneError, Variants};
@@ -34,6 +34,8 @@ pub struct Study {
     dofs: Vec<String>,
     points: usize,
     fingerprint: Fingerprint,
+    /// The scene's file.
+    scene: PathBuf,
 }
 
 /// One case: the values of the varied entries, in the order of the axes, and its harmonics.
@@ -95,13 +97,14 @@ impl Study {
             dofs: Vec::new(),
             points: 0,
             fingerprint: Fingerprint::default(),
+            scene: path.clone(),
         };
         study.check(&path)?;
         study.fingerprint = Fingerprint::of(text, &path, &study.variants.files());
         Ok(study)
     }
 
-    /// Checks sizes, and every value of every axis once, the others being at their first.
+    /// Checks sizes, and the values of every axis once, the others being at their first.
     fn check(&mut self, path: &Path) -> Result<(), StudyError> {
         let scene =
             self.variants.scene(&[]).map_err(|error| StudyError::InScene { path: path.to_owned(), error })?;
@@ -131,7 +134,7 @@ impl Study {
         let mut stride = cases;
         for axis in &self.axes {
             stride /= axis.values.len();
-            for i in 1..axis.values.len() {
+            for i in worth_trying(&axis.values) {
                 self.solvable(i * stride)?;
             }
         }
@@ -233,10 +236,29 @@ impl Study {
         self.points
     }
 
+    /// The files it reads: its scene and the records of that.
+    pub fn files(&self) -> Vec<PathBuf> {
+        std::iter::once(self.scene.clone()).chain(self.variants.files()).collect()
+    }
+
     /// Names the text of the study, its scene and its records.
     pub fn fingerprint(&self) -> Fingerprint {
         self.fingerprint
     }
+}
+
+/// Up to this many values of an axis are all tried before anything is solved.
+const TRIED: usize = 1000;
+
+/// Positions of the values that are tried: all of a few, of many the extremes.
+fn worth_trying(values: &[f64]) -> Vec<usize> {
+    if values.len() <= TRIED {
+        return (1..values.len()).collect();
+    }
+    let positions = || values.iter().enumerate();
+    let least = positions().min_by(|a, b| a.1.total_cmp(b.1));
+    let most = positions().max_by(|a, b| a.1.total_cmp(b.1));
+    [least, most].into_iter().flatten().map(|(i, _)| i).collect()
 }
 
 /// What a study's text says.

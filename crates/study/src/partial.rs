@@ -1,7 +1,8 @@
 //! Finished cases of a study that runs, one a line, so that an interrupted study goes on where it was.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -34,7 +35,8 @@ impl Partial {
     /// half written is dropped. With `restart` it begins anew.
     ///
     /// # Errors
-    /// [`StudyError::OtherStudy`] when it belongs to another study, [`StudyError::Keeping`] when it cannot be used.
+    /// [`StudyError::OtherStudy`] when it belongs to another study, [`StudyError::Busy`] when another run works on it,
+    /// [`StudyError::Keeping`] when it cannot be used.
     pub fn open(
         study: &Study,
         output: &Path,
@@ -45,8 +47,15 @@ impl Partial {
         let path = PathBuf::from(name);
         let keeping = |source| StudyError::Keeping { path: path.clone(), source };
         let mut options = OpenOptions::new();
-        let mut file =
-            options.read(true).write(true).create(true).truncate(restart).open(&path).map_err(keeping)?;
+        options.read(true).write(true).create(true).truncate(false);
+        let mut file = options.open(&path).map_err(keeping)?;
+        // Two runs would overwrite each other; where files cannot be locked nobody can know.
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Err(StudyError::Busy { path });
+        }
+        if restart {
+            file.set_len(0).map_err(keeping)?;
+        }
         let header = Header {
             stickslip_study: FORMAT,
             fingerprint: study.fingerprint().to_string(),
@@ -115,7 +124,7 @@ fn read(file: &File, expected: &Header, cases: usize) -> io::Result<Found> {
         return Ok(Found::Another);
     }
     let mut whole = length;
-    let mut finished: Vec<Option<FinishedCase>> = vec![None; cases];
+    let mut finished = BTreeMap::new();
     loop {
         line.clear();
         let length = lines.read_until(b'\n', &mut line)? as u64;
@@ -124,9 +133,9 @@ fn read(file: &File, expected: &Header, cases: usize) -> io::Result<Found> {
         }
         let Ok(case) = serde_json::from_slice::<FinishedCase>(&line) else { break };
         whole += length;
-        if let Some(place) = finished.get_mut(case.case) {
-            *place = Some(case);
+        if case.case < cases {
+            finished.insert(case.case, case);
         }
     }
-    Ok(Found::Cases(finished.into_iter().flatten().collect(), whole))
+    Ok(Found::Cases(finished.into_values().collect(), whole))
 }

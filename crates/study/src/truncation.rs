@@ -145,7 +145,7 @@ pub fn truncation(
         }
     }
     let interrupted = found.len() < frequencies.len();
-    let reference = usual_reference(&found).map(|reference| reference.to_string()).unwrap_or_default();
+    let reference = usual_reference(&found).unwrap_or(truths.usual()).to_string();
     let rows: Vec<Row> = found.iter().flat_map(|one| one.rows(&kept, &prepared, &reference)).collect();
     notes.extend(remarks(&found, &reference));
     Ok(Truncation {

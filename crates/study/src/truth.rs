@@ -142,6 +142,11 @@ impl<'s> Truths<'s> {
         self.has_orbits
     }
 
+    /// What solutions are compared with if nothing goes wrong.
+    pub fn usual(&self) -> Reference {
+        if self.has_orbits { Reference::Orbit } else { Reference::Harmonics(self.harmonics) }
+    }
+
     /// The truth at `hertz`: the exact orbit, looked for from the harmonic solution so that the same branch is found, and
     /// from rest if need be; else the harmonic solution itself.
     ///
@@ -153,6 +158,7 @@ impl<'s> Truths<'s> {
         if self.has_orbits && hertz > 0.0 {
             match self.beside(hertz, &solution) {
                 Ok(orbit) => return Ok(self.orbit_truth(hertz, &orbit, &solution)),
+                Err(OrbitError::Stuck) => no_orbit = Some("every slider sticks, the motion is linear".into()),
                 Err(error) => no_orbit = Some(error.to_string()),
             }
         }

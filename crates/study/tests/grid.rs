@@ -218,6 +218,8 @@ fn an_interrupted_study_goes_on_where_it_was() {
 
     let (mut partial, known) = Partial::open(&study, &output, false).unwrap();
     assert_eq!(known, whole[3..7]);
+    let second = Partial::open(&study, &output, true).unwrap_err();
+    assert!(matches!(second, StudyError::Busy { .. }), "{second}");
     let mut seen = Vec::new();
     let mut keeper = |case: &study::FinishedCase| {
         seen.push(case.case);
@@ -242,6 +244,7 @@ fn another_study_is_not_continued() {
     let first = read(folder.path()).unwrap();
     let (mut partial, _) = Partial::open(&first, &output, false).unwrap();
     partial.keep(&first.run(Vec::new(), StudyOptions::default()).unwrap()[0]).unwrap();
+    drop(partial);
     // The scene changes in a number that the study does not vary.
     let mut changed = scene();
     changed["model"]["damping"][0][0] = json!(25);
@@ -253,8 +256,9 @@ fn another_study_is_not_continued() {
         error.contains("out.csv.part holds cases of another study") && error.contains("--restart"),
         "{error}"
     );
-    let (_, known) = Partial::open(&second, &output, true).unwrap();
+    let (anew, known) = Partial::open(&second, &output, true).unwrap();
     assert!(known.is_empty());
+    drop(anew);
     // A file that is no study's is never overwritten.
     fs::write(folder.path().join("out.csv.part"), "precious").unwrap();
     assert!(matches!(Partial::open(&second, &output, false), Err(StudyError::OtherStudy { .. })));
