@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Harmonics, Scene};
 
-pub use studies::{OrbitArguments, Quantity, StudyArguments, TruncationArguments};
+pub use studies::{ContinueArguments, OrbitArguments, Quantity, StudyArguments, TruncationArguments};
 
 use crate::ending::Failure;
 
@@ -58,6 +58,9 @@ pub enum Command {
     /// Find the exact periodic motion at one frequency, without harmonics
     #[command(after_help = studies::ORBIT)]
     Orbit(OrbitArguments),
+    /// Follow the response as a curve, through its folds
+    #[command(after_help = studies::CONTINUE)]
+    Continue(ContinueArguments),
     /// Solve a scene over a grid of its entries: peaks against excitation, normal load, harmonics
     #[command(after_help = studies::STUDY)]
     Study(StudyArguments),

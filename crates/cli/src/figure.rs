@@ -6,7 +6,7 @@ use contact::identification::Identification;
 #[cfg(feature = "plot")]
 use contact::identification::Magnitude;
 use hysteresis::{Fit, Record};
-use scene::{Scene, Solved};
+use scene::{CurveOutcome, Scene, Solved};
 use study::Truncation;
 
 use crate::ending::Failure;
@@ -161,6 +161,35 @@ pub fn orbit(figure: Figure, motion: &Motion) -> Result<(), Failure> {
         panels: dofs.chain(contacts).collect(),
     };
     write_orbit(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+/// Draws a response curve with its folds.
+#[cfg(feature = "plot")]
+pub fn curve(figure: Figure, curve: &CurveOutcome) -> Result<(), Failure> {
+    use plot::{CurvePanel, CurvePlot, write_curve};
+
+    let known =
+        |dof: usize, point: &scene::CurveOutcomePoint| Some((point.parameter, curve.amplitude(dof, point)?));
+    let panel = |(dof, name): (usize, &String)| CurvePanel {
+        title: name.clone(),
+        points: curve.points.iter().filter_map(|point| known(dof, point)).collect(),
+        folds: curve.points.iter().filter(|point| point.fold).filter_map(|point| known(dof, point)).collect(),
+    };
+    let drawing = CurvePlot {
+        title: curve.scene.clone(),
+        parameter: match curve.parameter.as_str() {
+            "frequency" => "frequency (Hz)".into(),
+            pointer => pointer.into(),
+        },
+        panels: curve.dofs.iter().enumerate().map(panel).collect(),
+        quantity: "|W_1|".into(),
+    };
+    write_curve(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn curve(figure: Figure, _: &CurveOutcome) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
 }
 
 /// Draws a quantity over one varied entry or over two.

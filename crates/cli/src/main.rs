@@ -2,6 +2,7 @@
 
 mod arguments;
 mod check;
+mod continuation;
 mod ending;
 mod explain;
 mod figure;
@@ -52,6 +53,7 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Check(arguments) => check::run(arguments),
         Command::Truncation(arguments) => truncation::run(arguments),
         Command::Orbit(arguments) => orbit::run(arguments),
+        Command::Continue(arguments) => continuation::run(arguments),
         Command::Study(arguments) => study::run(arguments),
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
         Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),

@@ -187,6 +187,7 @@ fn highest(case: &FinishedCase, dof: usize) -> Option<&Entry> {
 }
 
 /// A quantity over the varied entries.
+#[cfg_attr(not(feature = "plot"), expect(dead_code))]
 pub struct Picture<'a> {
     /// One or two.
     pub axes: &'a [Axis],

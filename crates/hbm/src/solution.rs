@@ -86,6 +86,8 @@ pub struct ContactSolution {
 /// What the solution took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stats {
+    /// Solutions of the first harmonic alone, where all of them are found.
+    pub starts: usize,
     /// Newton steps, all attempts together.
     pub iterations: usize,
     /// Rungs of the ladder in N that were climbed.

@@ -239,6 +239,7 @@ impl Plan {
         roots.clear();
         balance.roots(&mut roots);
         roots.sort_by(|a, b| b.total_cmp(a));
+        ws.stats.starts = roots.len();
         let mut failed = Outcome::NONE;
         let mut found = false;
         for &a in &roots {

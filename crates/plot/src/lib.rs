@@ -10,6 +10,7 @@
 
 mod axis;
 mod chart;
+mod curve_plot;
 mod heat_map;
 mod image;
 mod labels;
@@ -25,6 +26,7 @@ mod truncation_plot;
 
 pub use axis::Axis;
 pub use chart::{BOTTOM, BOTTOM_BARE, Chart, Curve, TOP};
+pub use curve_plot::{CurvePanel, CurvePlot, write_curve};
 pub use heat_map::{HeatMap, Parameter, write_heat_map};
 pub use image::write;
 pub use loop_plot::{LoopPlot, write_loop};

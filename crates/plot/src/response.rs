@@ -106,7 +106,7 @@ fn in_order(panel: &Panel) -> Panel {
 }
 
 /// "W_12" as it is printed: W₁₂.
-fn subscripted(text: &str) -> String {
+pub(super) fn subscripted(text: &str) -> String {
     let mut printed = String::new();
     let mut below = false;
     let mut letters = text.chars().peekable();

@@ -3,7 +3,6 @@
 use hbm::{Jacobian, POINTS_A_TASK, PlanFacts, Settings, Start};
 use serde::Serialize;
 
-use crate::error::NOT_YET;
 use crate::run::Prepared;
 
 /// One step of the method.
@@ -53,7 +52,7 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     steps.push(needed_harmonics(settings));
     steps.push(slaved_harmonics(&facts));
     steps.push(estimate(&facts, settings));
-    let alone = format!("{NOT_YET}; each frequency is solved on its own");
+    let alone = "each frequency is solved on its own (stickslip continue follows the response as a curve)";
     steps.push(step("continuation through folds", false, alone));
     steps
 }

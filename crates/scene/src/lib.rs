@@ -20,6 +20,7 @@
 //! positive, got -1`.
 
 mod contacts;
+mod curve;
 mod error;
 mod excitation;
 mod explain;
@@ -43,11 +44,12 @@ mod schema;
 mod solver;
 mod variants;
 
+pub use curve::{Along, CurveOutcome, CurveOutcomePoint};
 pub use error::SceneError;
 pub use explain::Step;
 pub use frequencies::{BadFrequencies, Frequencies};
 pub use harmonics::{BadHarmonics, Harmonics};
-pub use hbm::SweepOptions as RunOptions;
+pub use hbm::{ContinuationOptions, SweepOptions as RunOptions};
 pub use layout::write_json;
 pub use outcome::{ContactPoint, Named, Outcome, Point, Spectrum, Timing};
 pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};

@@ -23,6 +23,14 @@ pub(crate) fn all(scene: &Scene, solutions: &[Solution]) -> Vec<String> {
              (--all-solutions lists the others)"
         ));
     }
+    let starts =
+        solutions.iter().filter(|solution| solution.solutions.is_none() && solution.stats.starts > 1);
+    if let Some(note) = span(starts) {
+        notes.push(format!(
+            "the first harmonic alone has more than one solution at {note}, so there may be several; stickslip continue \
+             follows the response through its folds"
+        ));
+    }
     let failed: Vec<&Solution> = solutions.iter().filter(|solution| !solution.status.solved()).collect();
     if let Some(note) = span(failed.iter().copied()) {
         notes.push(format!("no solution was found at {note}; these points have a reason instead of numbers"));

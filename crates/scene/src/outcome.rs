@@ -10,6 +10,7 @@ use serde::{Serialize, Serializer};
 
 use crate::notes;
 use crate::run::Solved;
+use crate::scene::Scene;
 
 /// The result of a sweep.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -147,12 +148,7 @@ impl Spectrum {
 impl Outcome {
     pub(crate) fn new(solved: &Solved, timing: Timing) -> Self {
         let (scene, plan) = (solved.prepared.scene, &solved.prepared.plan);
-        let names = Names {
-            dofs: scene.output(),
-            contacts: scene.contacts().collect(),
-            orders: plan.orders(),
-            others: scene.settings.all_solutions,
-        };
+        let names = Names::of(scene, plan.orders());
         Self {
             format_version: 1,
             scene: scene.name.clone(),
@@ -191,15 +187,24 @@ impl Outcome {
 const CSV_COLUMNS: [&str; 6] = ["frequency", "status", "dof", "harmonic", "re", "im"];
 
 /// The names that turn a solution's rows and columns into a result.
-struct Names<'a> {
+pub(crate) struct Names<'a> {
     dofs: Vec<&'a str>,
     contacts: Vec<&'a str>,
     orders: &'a [usize],
     others: bool,
 }
 
-impl Names<'_> {
-    fn point(&self, solution: &Solution, others: bool) -> Point {
+impl<'a> Names<'a> {
+    pub(crate) fn of(scene: &'a Scene, orders: &'a [usize]) -> Self {
+        Self {
+            dofs: scene.output(),
+            contacts: scene.contacts().collect(),
+            orders,
+            others: scene.settings.all_solutions,
+        }
+    }
+
+    pub(crate) fn point(&self, solution: &Solution, others: bool) -> Point {
         let solved = solution.status.solved();
         let displacement = || {
             let rows = self.dofs.iter().zip(&solution.displacement);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use scene::Frequencies;
 
-use super::{FREQUENCIES, Format, TableFormat, TextFormat};
+use super::{FREQUENCIES, Format, SceneArguments, TableFormat, TextFormat};
 
 pub const TRUNCATION: &str = "\
 Solutions with N harmonics are compared with the exact periodic motion where every contact law has a mechanism that can \
@@ -93,6 +93,44 @@ fn hertz(text: &str) -> Result<f64, String> {
         Ok(hertz) if f64::is_finite(hertz) && hertz > 0.0 => Ok(hertz),
         _ => Err("must be a positive number of Hz".into()),
     }
+}
+
+pub const CONTINUE: &str = "\
+The curve begins with the solution that a sweep reports at --from and is followed by its arc length, so it turns at folds \
+instead of jumping, and passes every resonance. Folds and peaks are refined.
+
+Examples:
+  stickslip continue cubic.json                                   the range of the scene's frequencies
+  stickslip continue cubic.json --from 46 --to 41 --harmonics 7   from above
+  stickslip continue cubic.json --plot curve.svg -o curve.json
+  stickslip continue cubic.json --along /excitation/0/amplitude --at 43.5 --from 0.1 --to 20";
+
+/// `stickslip continue`.
+#[derive(Debug, Args)]
+pub struct ContinueArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Where the curve begins [default: the scene's lowest frequency, or the entry's value]
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub from: Option<f64>,
+    /// Where it ends [default: the scene's highest frequency]
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub to: Option<f64>,
+    /// Follow a number of the scene (a JSON pointer) instead of the frequency
+    #[arg(long, value_name = "/excitation/0/amplitude")]
+    pub along: Option<String>,
+    /// The frequency in Hz for --along
+    #[arg(long, value_name = "HZ", value_parser = hertz, requires = "along", allow_negative_numbers = true)]
+    pub at: Option<f64>,
+    /// Form of the answer [default: by the extension of -o, text to a terminal, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<TableFormat>,
+    /// Write the answer to FILE, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Draw the curve, one panel a dof
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub plot: Option<PathBuf>,
 }
 
 pub const STUDY: &str = "\

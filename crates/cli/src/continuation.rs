@@ -1,0 +1,149 @@
+//! `stickslip continue`: the response as a curve, through its folds.
+
+use std::fmt::Write as _;
+use std::io;
+use std::sync::atomic::Ordering;
+
+use scene::{Along, ContinuationOptions, CurveOutcome, CurveOutcomePoint, Scene, Variants};
+
+use crate::arguments::{ContinueArguments, TableFormat, in_file};
+use crate::ending::{Ending, Failure, say};
+use crate::figure::{self, Figure};
+use crate::output::{self, Output};
+use crate::progress::interrupt;
+use crate::summary::duration;
+
+/// Follows the curve and writes what was asked for.
+pub fn run(arguments: &ContinueArguments) -> Result<Ending, Failure> {
+    let format = output::table_format(arguments.format, arguments.output.as_deref())?;
+    let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
+    let path = &arguments.scene.scene;
+    output::distinct(path, &[&arguments.output, &arguments.plot])?;
+    let scene = arguments.scene.read()?;
+    let variants = match &arguments.along {
+        Some(_) => Some(Variants::from_file(path).map_err(|error| in_file(path, error))?),
+        None => None,
+    };
+    let (along, range) = course(arguments, &scene, variants.as_ref())?;
+    let interrupted = interrupt();
+    let answer = Output::open(arguments.output.as_deref())?;
+    let progress = |_: f64| !interrupted.load(Ordering::Relaxed);
+    let options = ContinuationOptions { progress: &progress, ..ContinuationOptions::default() };
+    let curve = scene
+        .curve(along, range, variants.as_ref(), &options)
+        .map_err(|error| arguments.scene.unsolvable(error))?;
+
+    answer.write(|out| match format {
+        TableFormat::Text => out.write_all(text(&curve).as_bytes()),
+        TableFormat::Json => scene::write_json(out, &curve),
+        TableFormat::Csv => csv(&curve, out),
+    })?;
+    if !curve.reason.is_empty() && format != TableFormat::Text {
+        say(format_args!("note: {}", ended(&curve)));
+    }
+    if let Some(figure) = figure {
+        figure::curve(figure, &curve)?;
+    }
+    Ok(match curve.end {
+        "reached" => Ending::Done,
+        "stopped" => Ending::Interrupted,
+        _ => Ending::SomeFailed,
+    })
+}
+
+/// What the curve runs along, and from where to where.
+fn course<'a>(
+    arguments: &'a ContinueArguments,
+    scene: &Scene,
+    variants: Option<&Variants>,
+) -> Result<(Along<'a>, (f64, f64)), Failure> {
+    let listed = scene.frequencies().as_slice();
+    let (Some(pointer), Some(variants)) = (&arguments.along, variants) else {
+        let ends = listed.iter().copied().fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
+        let (from, to) = (arguments.from.unwrap_or(ends.0), arguments.to.unwrap_or(ends.1));
+        if !(from > 0.0 && to > 0.0 && from != to) {
+            return Err(Failure::input(format!(
+                "a curve in the frequency needs two different positive ends, got {from} and {to} Hz; name them with \
+                 --from and --to"
+            )));
+        }
+        return Ok((Along::Frequency, (from, to)));
+    };
+    let now = variants.number(pointer).map_err(|why| Failure::input(format!("--along {pointer}: {why}")))?;
+    let frequency = match (arguments.at, listed) {
+        (Some(hertz), _) => hertz,
+        (None, [hertz]) => *hertz,
+        _ => {
+            return Err(Failure::input(
+                "--along: at which frequency? The scene has several; name one with --at",
+            ));
+        }
+    };
+    let from = arguments.from.unwrap_or(now);
+    let Some(to) = arguments.to.filter(|to| *to != from) else {
+        return Err(Failure::input(format!(
+            "--along: where to? {pointer} is {from}; name another value with --to"
+        )));
+    };
+    Ok((Along::Entry { pointer, frequency }, (from, to)))
+}
+
+fn csv(curve: &CurveOutcome, out: &mut dyn io::Write) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(out);
+    table.write_record(["arclength", "parameter", "fold", "dof", "harmonic", "re", "im"])?;
+    for point in &curve.points {
+        let numbers = [format!("{:e}", point.arclength), format!("{:e}", point.parameter)];
+        for (dof, spectrum) in point.point.displacement.iter().flat_map(|named| &named.0) {
+            for (k, w) in &spectrum.0 {
+                let [arclength, parameter] = &numbers;
+                let (k, re, im) = (k.to_string(), format!("{:e}", w.re), format!("{:e}", w.im));
+                let fold = if point.fold { "1" } else { "0" };
+                table.write_record([arclength, parameter, fold, dof, &k, &re, &im])?;
+            }
+        }
+    }
+    table.flush()
+}
+
+fn text(curve: &CurveOutcome) -> String {
+    let mut text = String::new();
+    let (first, last) = (curve.points.first(), curve.points.last());
+    let unit = if curve.parameter == "frequency" { " Hz" } else { "" };
+    let harmonics = first.map_or(0, |point| point.point.harmonics);
+    let ends = first.zip(last).map_or("no point".into(), |(first, last)| {
+        format!("{} points from {} to {}{unit}", curve.points.len(), first.parameter, last.parameter)
+    });
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "{} along {}: {ends}, N = {harmonics}", curve.scene, curve.parameter);
+    let amplitudes = |point: &CurveOutcomePoint| {
+        let each = curve
+            .dofs
+            .iter()
+            .enumerate()
+            .filter_map(|(dof, name)| Some(format!("{name} {:.5e} m", curve.amplitude(dof, point)?)));
+        each.collect::<Vec<_>>().join(", ")
+    };
+    for point in curve.points.iter().filter(|point| point.fold) {
+        let _ = writeln!(text, "fold at {:.6}{unit}: {}", point.parameter, amplitudes(point));
+    }
+    for point in &curve.points {
+        for name in &point.peaks {
+            let dof = curve.dofs.iter().position(|dof| dof == name);
+            if let Some(amplitude) = dof.and_then(|dof| curve.amplitude(dof, point)) {
+                let _ = writeln!(text, "peak of {name} at {:.6}{unit}: {amplitude:.5e} m", point.parameter);
+            }
+        }
+    }
+    if !curve.reason.is_empty() {
+        let _ = writeln!(text, "{}", ended(curve));
+    }
+    let _ = writeln!(text, "time: {}", duration(curve.solve_s));
+    text
+}
+
+fn ended(curve: &CurveOutcome) -> String {
+    match curve.points.last() {
+        Some(last) => format!("the curve ends at {}: {}", last.parameter, curve.reason),
+        None => format!("there is no curve: {}", curve.reason),
+    }
+}

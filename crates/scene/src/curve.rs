@@ -1,0 +1,143 @@
+//! The response as a curve, through its folds.
+
+use std::time::Instant;
+
+use hbm::{ContinuationOptions, CurveEnd, CurvePoint};
+use serde::Serialize;
+
+use crate::error::SceneError;
+use crate::outcome::{Names, Point};
+use crate::scene::Scene;
+use crate::variants::Variants;
+
+/// What a curve runs along.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Along<'a> {
+    /// The frequency, over the range of the scene's frequencies or its reverse.
+    Frequency,
+    /// A numeric entry of the scene (a JSON pointer), at one frequency in Hz.
+    Entry {
+        /// Where it stands.
+        pointer: &'a str,
+        /// In Hz.
+        frequency: f64,
+    },
+}
+
+/// A response curve as plain data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurveOutcome {
+    /// 1; raised when a reader of older results would be misled.
+    pub format_version: u32,
+    /// The scene's name.
+    pub scene: String,
+    /// The dofs whose displacement is given.
+    pub dofs: Vec<String>,
+    /// Units of every number.
+    pub units: &'static str,
+    /// `frequency`, or the JSON pointer of the entry that varies.
+    pub parameter: String,
+    /// `reached`, or why the curve ended before the end of its range.
+    pub end: &'static str,
+    /// The same in words; empty when the end was reached.
+    pub reason: &'static str,
+    /// In the order of the curve.
+    pub points: Vec<CurveOutcomePoint>,
+    /// Time in s.
+    pub solve_s: f64,
+}
+
+/// One point of a curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurveOutcomePoint {
+    /// Value of the parameter.
+    pub parameter: f64,
+    /// Length of the curve up to here, relative steps added up.
+    pub arclength: f64,
+    /// The curve turns back here.
+    pub fold: bool,
+    /// Dofs whose amplitude |W_k| at the base frequency is a maximum here.
+    pub peaks: Vec<String>,
+    /// The response.
+    #[serde(flatten)]
+    pub point: Point,
+}
+
+impl CurveOutcome {
+    /// Amplitude |W_k| at the base frequency of output dof `dof` at a point.
+    pub fn amplitude(&self, dof: usize, point: &CurveOutcomePoint) -> Option<f64> {
+        let (_, spectrum) = point.point.displacement.as_ref()?.0.get(dof)?;
+        spectrum.0.iter().find(|(k, _)| *k > 0).map(|(_, w)| w.norm())
+    }
+}
+
+/// How a curve ended, for programs and for readers.
+fn words(end: CurveEnd) -> (&'static str, &'static str) {
+    match end {
+        CurveEnd::Reached => ("reached", ""),
+        CurveEnd::Returned => {
+            ("returned", "the curve came back to where it began; begin at the other end to see the rest")
+        }
+        CurveEnd::NoStart => ("no start", "no solution was found where the curve begins; begin elsewhere"),
+        CurveEnd::Lost => ("lost", "the shortest step found no further point"),
+        CurveEnd::Rest => (
+            "rest",
+            "a contact is at rest there, held by its law; a curve begins only where all contacts move",
+        ),
+        CurveEnd::TooLong => ("too long", "the curve has more points than are allowed"),
+        CurveEnd::Stopped => ("stopped", "stopped; the points so far are kept"),
+    }
+}
+
+impl Scene {
+    /// Follows the response over the range `from` to `to`. `variants` makes the scene at other values of an entry.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the problem cannot be posed where the curve begins.
+    pub fn curve(
+        &self,
+        along: Along,
+        range: (f64, f64),
+        variants: Option<&Variants>,
+        options: &ContinuationOptions,
+    ) -> Result<CurveOutcome, SceneError> {
+        let began = Instant::now();
+        let curve = match (along, variants) {
+            (Along::Entry { pointer, frequency }, Some(variants)) => {
+                let problem = |value: f64| {
+                    let scene = variants.scene(&[(pointer, value)]).ok()?;
+                    Some(hbm::Problem { output: self.problem.output.clone(), ..scene.problem })
+                };
+                hbm::entry_curve(&problem, frequency, &self.settings, range, options)
+            }
+            _ => hbm::frequency_curve(&self.problem, &self.settings, range, options),
+        };
+        let curve = curve.map_err(|error| SceneError::entry(&error.place, error.problem))?;
+        let plan = hbm::Plan::new(&self.problem, &self.settings)
+            .map_err(|error| SceneError::entry(&error.place, error.problem))?;
+        let names = Names::of(self, plan.orders());
+        let dofs: Vec<String> = self.output().into_iter().map(str::to_owned).collect();
+        let point = |point: &CurvePoint| CurveOutcomePoint {
+            parameter: point.parameter,
+            arclength: point.arclength,
+            fold: point.fold,
+            peaks: point.peaks.iter().filter_map(|&dof| dofs.get(dof).cloned()).collect(),
+            point: names.point(&point.solution, false),
+        };
+        let (end, reason) = words(curve.end);
+        Ok(CurveOutcome {
+            format_version: 1,
+            scene: self.name.clone(),
+            units: "SI, Hz, rad",
+            parameter: match along {
+                Along::Frequency => "frequency".into(),
+                Along::Entry { pointer, .. } => pointer.into(),
+            },
+            end,
+            reason,
+            points: curve.points.iter().map(point).collect(),
+            dofs,
+            solve_s: began.elapsed().as_secs_f64(),
+        })
+    }
+}
