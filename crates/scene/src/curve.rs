@@ -78,9 +78,10 @@ impl CurveOutcome {
 fn words(end: CurveEnd) -> (&'static str, &'static str) {
     match end {
         CurveEnd::Reached => ("reached", ""),
-        CurveEnd::Returned => {
-            ("returned", "the curve came back to where it began; begin at the other end to see the rest")
-        }
+        CurveEnd::Returned => (
+            "returned",
+            "the curve came back to where it began; begin further out, or at the other end, to see the rest",
+        ),
         CurveEnd::NoStart => ("no start", "no solution was found where the curve begins; begin elsewhere"),
         CurveEnd::Lost => ("lost", "the shortest step found no further point"),
         CurveEnd::Rest => (
