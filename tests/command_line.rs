@@ -616,6 +616,19 @@ fn a_curve_that_cannot_begin_has_code_1_and_says_why() {
 }
 
 #[test]
+fn an_orbit_is_no_table() {
+    let folder = example("cubic");
+    let orbit = ["orbit", "cubic.json", "--frequency", "43"];
+    let output = run(folder.path(), &[&orbit[..], &["-o", "orbit.csv"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--waveform FILE.csv"), "{}", stderr(&output));
+    let output = run(folder.path(), &[&orbit[..], &["-o", "orbit.txt", "--waveform", "orbit.csv"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(read("orbit.txt").starts_with("cubic at 43 Hz") && read("orbit.csv").starts_with("time [s],"));
+}
+
+#[test]
 fn a_missing_folder_is_named() {
     let folder = example("cubic");
     let output = run(folder.path(), &["sweep", "cubic.json", "-o", "nowhere/out.json"]);

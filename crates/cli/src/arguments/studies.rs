@@ -74,7 +74,7 @@ pub struct OrbitArguments {
     /// Harmonics of the spectrum that is reported
     #[arg(long, value_name = "K", default_value = "31", value_parser = clap::value_parser!(u16).range(1..=4095))]
     pub harmonics: u16,
-    /// Form of the answer [default: text to a terminal, else json]
+    /// Form of the answer [default: by the extension of -o, text to a terminal, else json]
     #[arg(long, value_enum)]
     pub format: Option<TextFormat>,
     /// Write the answer to FILE, whole or not at all
