@@ -174,6 +174,8 @@ impl Plan {
         let width = ws.point.width();
         let slots = self.rungs[0].slots;
         let count = slots * width;
+        // A rung above may go on from here although the first one failed.
+        ws.unknowns.fill(c64::ZERO);
         ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
         let first = self.first_slot().unwrap_or(0);
         for round in 0..20 {
