@@ -161,6 +161,7 @@ impl Plan {
             self.place_root(&balance, a, ws);
             let closed = Outcome { converged: true, ..Outcome::NONE };
             self.complete(closed, solution.frequency, ws);
+            self.place_root(&balance, a, ws);
             if reported {
                 let mut other = Solution::empty(solution.frequency, solution.harmonics);
                 self.report(Status::Converged, balance.residual(a), ws, &mut other);
