@@ -175,6 +175,8 @@ impl Plan {
         let width = ws.point.width();
         let slots = self.rungs[0].slots;
         let count = slots * width;
+        // A rung above may go on from here although the first one failed.
+        ws.unknowns.fill(c64::ZERO);
         ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
         let first = self.first_slot().unwrap_or(0);
         for round in 0..20 {
@@ -410,7 +412,7 @@ impl SplitMix {
 mod tests {
     use std::sync::Arc;
 
-    use contact::{ElasticCoulomb, ElasticCoulombParameters};
+    use contact::{Coulomb, CoulombParameters, ElasticCoulomb, ElasticCoulombParameters};
     use faer::mat;
 
     use super::*;
@@ -470,6 +472,22 @@ mod tests {
                 let error = (unknown * ws.point.length[0] - w).norm() / expected[0].norm();
                 assert!(error < 1e-9, "{name}: {error:e}");
             }
+        }
+    }
+
+    /// Where the first rung fails the next one goes on from what is there: nothing of another point.
+    #[test]
+    fn a_failed_first_rung_starts_the_next_afresh() {
+        let mut plan = hard_plan();
+        // Coulomb's law: no describing function, so no closed start.
+        let creeping = CoulombParameters { slip_force: 6.0, velocity: 1e-4 };
+        plan.contacts[0].law = Arc::new(Coulomb::new(creeping).unwrap());
+        plan.scalar_start = false;
+        plan.settings.max_iterations = 3;
+        let mut ws = plan.workspace();
+        for hertz in [57.0, 30.0, 43.0, 80.0] {
+            let used = plan.solve(hertz, &mut ws);
+            assert_eq!(used, plan.solve(hertz, &mut plan.workspace()), "{hertz} Hz");
         }
     }
 }
