@@ -89,19 +89,21 @@ impl PieceSeries {
     }
 }
 
-/// I_q for q = 0 … as many as there is room for: ∫ e^{−iqτ} dτ = (e^{−iq from} − e^{−iq to}) / (iq).
+/// I_q for q = 0 … as many as there is room for: ∫ e^{−iqτ} dτ = e^{−iq mid} sin(q half) · 2/q. With the half width as a
+/// factor a short piece keeps its digits: at amplitudes far above the slip displacement a piece that sticks is short and
+/// its stiffness large.
 fn integrals(piece: &ForcePiece, row: &mut [c64]) {
-    let (begin, end) = (c64::cis(-piece.from), c64::cis(-piece.to));
-    let (mut before, mut after) = (begin, end);
+    let half = 0.5 * (piece.to - piece.from);
+    let (turn, widen) = (c64::cis(-(piece.from + half)), c64::cis(half));
+    let (mut middle, mut width) = (turn, widen);
     for (q, integral) in row.iter_mut().enumerate() {
         if q == 0 {
-            *integral = c64::from((piece.to - piece.from) / TAU);
+            *integral = c64::from(2.0 * half / TAU);
             continue;
         }
-        let difference = before - after;
-        *integral = c64::new(difference.im, -difference.re) * (1.0 / (q as f64 * TAU));
-        before *= begin;
-        after *= end;
+        *integral = middle * (width.im * 2.0 / (q as f64 * TAU));
+        middle *= turn;
+        width *= widen;
     }
 }
 

@@ -140,9 +140,19 @@ impl Plan {
         ws.unknowns[slot] = displacement / length;
         let first = balance.law.first_harmonic(a).force * balance.scale;
         ws.balance[0].forces[slot] = first * (displacement / a) / force;
-        if slot == 1 {
-            // A mean that no contact force opposes.
-            ws.unknowns[0] = ws.point.free[0];
+        if let (1, Some(mean)) = (slot, self.free_mean(ws)) {
+            ws.unknowns[0] = mean;
+        }
+    }
+
+    /// The dimensionless mean displacement that no contact force opposes, `û⁰/(1 − Ĝ Ŝ)`; `None` where the structure does
+    /// not determine it.
+    fn free_mean(&self, ws: &Workspace) -> Option<c64> {
+        let (free, lent) = (ws.point.free[0], ws.point.lent[0]);
+        match ws.condensed.singular.first() {
+            Some(true) if free != c64::ZERO => None,
+            Some(true) => Some(c64::ZERO),
+            _ => Some(free / (1.0 - ws.point.receptance[0] * lent)),
         }
     }
 
@@ -151,6 +161,9 @@ impl Plan {
         let Some(balance) = self.scalar_balance(ws) else {
             return self.iterative(ws, solution);
         };
+        if self.first_slot() == Some(1) && self.free_mean(ws).is_none() {
+            return self.fail(None, f64::INFINITY, ws, solution);
+        }
         let mut roots = std::mem::take(&mut ws.roots);
         roots.clear();
         balance.roots(&mut roots);
@@ -294,9 +307,8 @@ impl Plan {
 
     /// The harmonic of Ω at which the structure alone is singular, if there is one.
     fn singular_harmonic(&self, ws: &Workspace) -> Option<usize> {
-        let lent = ws.point.lent.iter().take(ws.ready * ws.point.width());
-        let entry = lent.into_iter().position(|lent| *lent != c64::ZERO)?;
-        self.harmonics.orders.get(entry / ws.point.width()).copied()
+        let slot = ws.condensed.singular.iter().take(ws.ready).position(|singular| *singular)?;
+        self.harmonics.orders.get(slot).copied()
     }
 
     /// The paper's strategy: damped Newton from the previous frequency's solution.

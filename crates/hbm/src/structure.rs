@@ -30,8 +30,11 @@ use crate::problem::{ExcitationKind, Problem};
 /// Pivots of the balanced dynamic stiffness below this fraction of the largest count as zero.
 const SINGULAR: f64 = 1e-15;
 
-/// Below this fraction springs are lent: the receptance would have lost too many digits.
+/// Below this fraction the structure counts as singular without its contacts.
 const NEARLY_SINGULAR: f64 = 1e-11;
+
+/// Below this fraction springs are lent: the receptance would lose digits that the balance has.
+const ILL_CONDITIONED: f64 = 1e-5;
 
 /// One entry of a harmonic's excitation vector: `amplitude · Ω^power` on `dof`.
 #[derive(Debug, Clone, Copy)]
@@ -74,6 +77,8 @@ pub(crate) struct Condensed {
     pub(crate) free_output: Vec<c64>,
     /// S in N/m, entry `[slot][l]`; zero nearly always.
     pub(crate) lent: Vec<c64>,
+    /// Whether the structure alone is singular, entry `[slot]`.
+    pub(crate) singular: Vec<bool>,
     lu: Lu<c64>,
     rhs: Mat<c64>,
     scale: Vec<f64>,
@@ -159,6 +164,7 @@ impl Structure {
             recovery: vec![c64::ZERO; slots * outputs * contacts],
             free_output: vec![c64::ZERO; slots * outputs],
             lent: vec![c64::ZERO; slots * contacts],
+            singular: vec![false; slots],
             lu: Lu::new(n, contacts + 1),
             rhs: Mat::zeros(n, contacts + 1),
             scale: vec![1.0; n],
@@ -175,6 +181,29 @@ impl Structure {
         slots: Range<usize>,
         into: &mut Condensed,
     ) -> Result<(), usize> {
+        self.condense_where(hertz, slots, ILL_CONDITIONED, into)
+    }
+
+    /// As [`Structure::condense`], with springs lent only where the structure is singular.
+    ///
+    /// # Errors
+    /// The harmonic of Ω at which the dynamic stiffness is singular.
+    pub(crate) fn condense_alone(
+        &self,
+        hertz: f64,
+        slots: Range<usize>,
+        into: &mut Condensed,
+    ) -> Result<(), usize> {
+        self.condense_where(hertz, slots, NEARLY_SINGULAR, into)
+    }
+
+    fn condense_where(
+        &self,
+        hertz: f64,
+        slots: Range<usize>,
+        lending: f64,
+        into: &mut Condensed,
+    ) -> Result<(), usize> {
         let base = std::f64::consts::TAU * hertz;
         let lowest = self.orders.iter().find(|&&order| order > 0);
         into.omega = base * lowest.map_or(1.0, |&order| order as f64);
@@ -182,7 +211,8 @@ impl Structure {
             let contacts = slot * into.contacts..(slot + 1) * into.contacts;
             into.lent[contacts.clone()].fill(c64::ZERO);
             self.factor(order as f64 * base, slot, into);
-            if !into.lu.is_regular(NEARLY_SINGULAR) {
+            into.singular[slot] = !into.lu.is_regular(NEARLY_SINGULAR);
+            if !into.lu.is_regular(lending) {
                 self.lend(order as f64 * base, slot, into);
                 self.factor(order as f64 * base, slot, into);
                 if !into.lu.is_regular(SINGULAR) {

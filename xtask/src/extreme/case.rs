@@ -30,6 +30,8 @@ pub(super) enum Reason {
     HoldingShell,
     /// A record that is no loop.
     NoLoop,
+    /// A velocity law so steep that its samples form a staircase.
+    Staircase,
     /// The magnitude law becomes negative in its range or beyond.
     NegativeMagnitude,
 }

@@ -51,14 +51,31 @@ pub(super) fn label(case: &Case, special: Special) -> Label {
     if floating && (special == Special::FreeBody || even) && !spring {
         return refused(Reason::FreeBody);
     }
-    if special == Special::FreeResonance {
+    if special == Special::FreeResonance && !matches!(law, LawSpec::Coulomb { .. }) {
         return at_resonance(case, law);
+    }
+    if case.contacts.iter().any(|contact| is_staircase(case, &contact.law)) {
+        return refused(Reason::Staircase);
     }
     let sets = case.contacts.iter().any(|c| c.law.holding_force() > 0.0);
     if sets && (case.harmonics > case.fundamental() || even) {
         return shell(case, law);
     }
     Label::Solvable
+}
+
+/// Whether samples of `F_s tanh(ẇ/v)` resolve its flank no more: their sum is then a staircase over the motion, and its solution may lie on
+/// a riser that is narrower than a rounding unit. A damper only reduces the velocity that the contact has without it, as Re(iG) ≥ 0.
+fn is_staircase(case: &Case, law: &LawSpec) -> bool {
+    let LawSpec::Coulomb { velocity, .. } = law else { return false };
+    let Ok(model) = case.model() else { return false };
+    let rate = |load: &hbm::Excitation| {
+        let all = Rows::new(case, &model, load.harmonic).receptances();
+        let free = all.iter().map(|(_, free)| free.norm()).fold(0.0, f64::max);
+        std::f64::consts::TAU * case.frequency * load.harmonic as f64 * free
+    };
+    let rate: f64 = case.loads.iter().map(rate).sum();
+    !(rate <= 100.0 * velocity)
 }
 
 fn at_resonance(case: &Case, law: &LawSpec) -> Label {

@@ -114,7 +114,9 @@ fn period(built: &Built, motion: &Motion, samples: usize, omega: f64) -> Force {
     let highest = motion.highest();
     match &built.spec {
         LawSpec::Linear { stiffness } => {
-            Force { harmonics: motion.spectrum.iter().map(|w| w * *stiffness).collect(), uncertainty: 0.0 }
+            // It is sampled like any other force.
+            let uncertainty = 0.01 * ROUNDING * stiffness * (motion.size() + motion.mean().abs());
+            Force { harmonics: motion.spectrum.iter().map(|w| w * *stiffness).collect(), uncertainty }
         }
         LawSpec::Cubic { stiffness } => cubic(motion, *stiffness),
         LawSpec::ElasticCoulomb { stiffness, slip_force } => {

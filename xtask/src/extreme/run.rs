@@ -140,9 +140,12 @@ fn solve(case: &Case) -> Result<(Ready, Plan, Solution)> {
 fn fits(label: Label, reason: FailureReason) -> bool {
     let Label::MayBeRefused(expected) = label else { return false };
     match expected {
-        Reason::UnboundedResonance | Reason::FreeBody => {
-            matches!(reason, FailureReason::SingularStructure { .. })
+        Reason::UnboundedResonance => matches!(reason, FailureReason::SingularStructure { .. }),
+        // A contact may hold what nothing else supports, up to its limit.
+        Reason::FreeBody => {
+            matches!(reason, FailureReason::SingularStructure { .. } | FailureReason::HoldingLimit)
         }
+        Reason::Staircase => reason == FailureReason::NotConverged,
         Reason::HoldingShell => matches!(reason, FailureReason::HoldingLimit | FailureReason::NotConverged),
         Reason::NegativeMagnitude => {
             matches!(
