@@ -71,8 +71,15 @@ impl ScalarBalance<'_> {
 
     /// Harmonic of the relative displacement in m that belongs to the root `a`.
     pub(crate) fn displacement(&self, a: f64) -> Complex64 {
+        // Of magnitude a, whatever rounding makes of |z| = |u⁰| where its terms nearly cancel.
         let z = self.own * a + self.receptance * self.law.first_harmonic(a).force * self.scale;
-        self.free * (a / z)
+        let direction = self.free / z;
+        direction * (a / direction.norm())
+    }
+
+    /// Whether the law creates energy at this amplitude: no root there is a motion of a friction contact.
+    pub(crate) fn creates_energy(&self, a: f64) -> bool {
+        self.law.first_harmonic(a).force.im < 0.0
     }
 
     /// |φ| relative to |u⁰|.

@@ -63,6 +63,9 @@ impl Plan {
         } else {
             self.iterative(ws, solution);
         }
+        if solution.status.solved() && !solution.is_finite() {
+            solution.fail(FailureReason::NotConverged);
+        }
         solution.stats = ws.stats;
         ws.has_previous = solution.status.solved();
     }
@@ -168,6 +171,8 @@ impl Plan {
         roots.clear();
         balance.roots(&mut roots);
         roots.sort_by(|a, b| b.total_cmp(a));
+        let negative = roots.iter().copied().find(|a| balance.creates_energy(*a));
+        roots.retain(|a| !balance.creates_energy(*a));
         let mut reported = false;
         for &a in roots.iter().take(if self.settings.all_solutions { usize::MAX } else { 1 }) {
             self.place_root(&balance, a, ws);
@@ -200,7 +205,11 @@ impl Plan {
         match reported {
             true => solution.solutions = Some(count),
             // Held by the first harmonic alone, but not together with a static load.
-            false => self.fail(can_hold.then_some(LawError::NoMotion), f64::INFINITY, ws, solution),
+            false if can_hold => self.fail(Some(LawError::NoMotion), f64::INFINITY, ws, solution),
+            false => {
+                let alpha = |a: f64| LawError::NegativeMagnitude { alpha: a / balance.length };
+                self.fail(negative.map(alpha), f64::INFINITY, ws, solution);
+            }
         }
     }
 

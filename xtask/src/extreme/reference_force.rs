@@ -191,7 +191,11 @@ fn remembered(built: &Built, motion: &Motion, samples: usize) -> Force {
     let a = memory::amplitude(&turns);
     let nothing = Force { harmonics: vec![Complex64::ZERO; highest + 1], uncertainty: 0.0 };
     if a == 0.0 {
-        return nothing;
+        let spring = match &built.spec {
+            LawSpec::IwanPolygon { backbone } => sliders(backbone).1,
+            _ => 0.0,
+        };
+        return Force { harmonics: motion.spectrum.iter().map(|w| w * spring).collect(), ..nothing };
     }
     // The mean is large where the amplitude is small: what rounding leaves of the latter.
     let blur = 1.0 + 1e-3 * (motion.mean().abs() + motion.size()) / a;

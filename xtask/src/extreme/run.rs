@@ -145,7 +145,10 @@ fn fits(label: Label, reason: FailureReason) -> bool {
         Reason::FreeBody => {
             matches!(reason, FailureReason::SingularStructure { .. } | FailureReason::HoldingLimit)
         }
-        Reason::Staircase => reason == FailureReason::NotConverged,
+        // At an undamped resonance the reason is the resonance.
+        Reason::Staircase => {
+            matches!(reason, FailureReason::NotConverged | FailureReason::SingularStructure { .. })
+        }
         Reason::HoldingShell => matches!(reason, FailureReason::HoldingLimit | FailureReason::NotConverged),
         Reason::NegativeMagnitude => {
             matches!(
