@@ -246,7 +246,7 @@ impl TurningPoints {
 
 /// `w(τ_r) − w(τ_r + δ)` in m at a turning point τ_r, without cancellation for small δ: the first-order term
 /// `w'(τ_r) δ = 0` is left out analytically.
-pub(crate) fn drop_from(spectrum: &[Complex64], tau: f64, delta: f64) -> f64 {
+pub fn drop_from(spectrum: &[Complex64], tau: f64, delta: f64) -> f64 {
     let step = Complex64::cis(tau);
     let mut wave = Complex64::ONE;
     let mut drop = 0.0;

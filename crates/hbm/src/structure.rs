@@ -34,7 +34,7 @@ const SINGULAR: f64 = 1e-15;
 const NEARLY_SINGULAR: f64 = 1e-11;
 
 /// Below this fraction springs are lent: the receptance would lose digits that the balance has.
-const ILL_CONDITIONED: f64 = 1e-5;
+const ILL_CONDITIONED: f64 = 1e-3;
 
 /// One entry of a harmonic's excitation vector: `amplitude · Ω^power` on `dof`.
 #[derive(Debug, Clone, Copy)]

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
-use super::motion::{Motion, gauss};
+use super::motion::{Motion, Turn, gauss};
 
 /// The force harmonics F_0 … F_n in N (rig convention) of an element of stiffness `k` and slip displacement `x`.
 ///
@@ -20,17 +20,20 @@ pub(super) fn force_harmonics(motion: &Motion, k: f64, x: f64, highest: usize) -
         }
     }
     let Some(last) = turns.last() else { return harmonics };
-    let mut from = last.tau - TAU;
+    let mut before = Turn { tau: last.tau - TAU, ..*last };
     for turn in &turns {
+        let from = before.tau;
         // Rising or falling to this turning point, the slider is met where |w − slider| reaches x.
         let sign = if turn.maximum { 1.0 } else { -1.0 };
         let slips = (turn.w - slider) * sign > x;
-        let onset = if slips { crossing(motion, from, turn.tau, slider + sign * x) } else { turn.tau };
-        let rest = slider;
-        integrate(from, onset, motion, &mut harmonics, |w| k * (w - rest));
+        let onset =
+            if slips { crossing(motion, &before, turn, slider + sign * x - before.w) } else { turn.tau };
+        // At the limit where the last way ended slipping: k (w − slider) would lose that.
+        let rest = (k * (before.w - slider)).clamp(-k * x, k * x);
+        integrate(from, onset, motion, &mut harmonics, |tau| rest + k * way(motion, &before, tau));
         integrate(onset, turn.tau, motion, &mut harmonics, |_| sign * k * x);
         slider = slider.clamp(turn.w - x, turn.w + x);
-        from = turn.tau;
+        before = *turn;
     }
     if let Some(mean) = harmonics.first_mut() {
         *mean *= 0.5;
@@ -38,13 +41,18 @@ pub(super) fn force_harmonics(motion: &Motion, k: f64, x: f64, highest: usize) -
     harmonics
 }
 
-/// The instant between two turning points at which the displacement is `level`.
-fn crossing(motion: &Motion, from: f64, to: f64, level: f64) -> f64 {
-    let (mut low, mut high) = (from, to);
-    let rising = motion.at(to).0 > motion.at(from).0;
+/// `w(τ) − w` from a turning point on, without cancellation near it.
+fn way(motion: &Motion, from: &Turn, tau: f64) -> f64 {
+    let delta = tau - from.tau;
+    if delta < 0.02 { -motion.drop(from, delta) } else { motion.at(tau).0 - from.w }
+}
+
+/// The instant between two turning points at which the displacement has gone so far.
+fn crossing(motion: &Motion, from: &Turn, to: &Turn, rise: f64) -> f64 {
+    let (mut low, mut high) = (from.tau, to.tau);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        if (motion.at(middle).0 < level) == rising {
+        if (way(motion, from, middle) < rise) == (rise > 0.0) {
             low = middle;
         } else {
             high = middle;
@@ -69,7 +77,7 @@ fn integrate(from: f64, to: f64, motion: &Motion, harmonics: &mut [Complex64], f
         let start = from + panel as f64 * width;
         for (node, weight) in gauss_rule() {
             let tau = start + node * width;
-            let value = f(motion.at(tau).0) * weight * width / PI;
+            let value = f(tau) * weight * width / PI;
             let turn = Complex64::cis(-tau);
             let mut wave = Complex64::ONE;
             for (p, harmonic) in harmonics.iter_mut().enumerate() {

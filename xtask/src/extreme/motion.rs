@@ -73,14 +73,44 @@ impl Motion {
         for j in 1..=cells {
             let right = at(j);
             let next = self.at(right).1;
-            if (rate > 0.0) != (next > 0.0) {
-                let tau = self.root(left, right, rate);
+            let mut push = |from: f64, to: f64, rate: f64| {
+                let tau = self.root(from, to, rate);
                 turns.push(Turn { tau: tau.rem_euclid(TAU), w: self.at(tau).0, maximum: rate > 0.0 });
+            };
+            if (rate > 0.0) != (next > 0.0) {
+                push(left, right, rate);
+            } else if let Some(middle) = self.dip(left, right, rate) {
+                // Two turning points between neighbours of the grid.
+                push(left, middle, rate);
+                push(middle, right, -rate);
             }
             (left, rate) = (right, next);
         }
         turns.sort_by(|a, b| a.tau.total_cmp(&b.tau));
         turns
+    }
+
+    /// Where the velocity, of one sign at both ends, has the other in between.
+    fn dip(&self, left: f64, right: f64, rate: f64) -> Option<f64> {
+        let sign = rate.signum();
+        // |v| has a minimum inside where it falls on entering and rises on leaving.
+        let falls = sign * self.acceleration(left) < 0.0 && sign * self.acceleration(right) > 0.0;
+        let (mut low, mut high) = (left, right);
+        for _ in 0..60 {
+            if !falls {
+                break;
+            }
+            let middle = 0.5 * (low + high);
+            if sign * self.at(middle).1 < 0.0 {
+                return Some(middle);
+            }
+            if sign * self.acceleration(middle) < 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        None
     }
 
     /// The zero of the velocity between two instants.

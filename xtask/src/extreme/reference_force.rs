@@ -110,7 +110,25 @@ impl Logarithm {
     }
 }
 
+/// The force of a period; uncertain by what changes with the last digits of the motion.
 fn period(built: &Built, motion: &Motion, samples: usize, omega: f64) -> Force {
+    let mut force = exactly(built, motion, samples, omega);
+    for sign in [1.0, -1.0] {
+        let nudge = |(k, w): (usize, &Complex64)| {
+            let way = if k % 4 < 2 { sign } else { -sign };
+            w * Complex64::new(1.0 + 4.0 * way * f64::EPSILON, 4.0 * sign * f64::EPSILON)
+        };
+        let mut spectrum: Vec<Complex64> = motion.spectrum.iter().enumerate().map(nudge).collect();
+        spectrum[0].im = 0.0;
+        let other = exactly(built, &Motion { spectrum }, samples, omega);
+        let pairs = force.harmonics.iter().zip(&other.harmonics);
+        let change = pairs.map(|(one, other)| (one - other).norm()).fold(0.0, f64::max);
+        force.uncertainty = force.uncertainty.max(other.uncertainty + 2.0 * change);
+    }
+    force
+}
+
+fn exactly(built: &Built, motion: &Motion, samples: usize, omega: f64) -> Force {
     let highest = motion.highest();
     match &built.spec {
         LawSpec::Linear { stiffness } => {
