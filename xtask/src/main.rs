@@ -3,6 +3,7 @@
 mod ci;
 mod error_vs_runtime;
 mod estimates;
+mod extreme;
 mod figures;
 mod fuzz;
 mod iwan;
@@ -35,6 +36,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   error-vs-runtime --draw  figures and page once more from the measured data
   error-vs-runtime --quick fails when errors are out of order or the page is not that of its data
   estimates [SCENE…]       what error estimates are worth on the scene library (or on scenes of such names): tables, CSV
+  extreme                  cases at the limits of every quantity, labelled and judged; writes the tables of docs/src/extreme.md
+                           (release build; --quick a twentieth of them, --seed S others, --case ID one alone)
   fuzz [SECONDS]           coverage-guided fuzzing of scenes, records and studies; needs a nightly compiler and cargo-fuzz
   iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
@@ -62,6 +65,7 @@ fn run() -> Result<()> {
         ["error-vs-runtime", "--draw"] => error_vs_runtime::draw(&root()),
         ["error-vs-runtime", "--quick"] => error_vs_runtime::quick(&root()),
         ["estimates", names @ ..] => estimates::run(&root(), names),
+        ["extreme", words @ ..] => extreme::run(&root(), words),
         ["fuzz", seconds @ ..] => fuzz::run(&root(), seconds),
         ["iwan"] => iwan::write(&root()),
         ["iwan", "--check"] => iwan::check(&root()),

@@ -269,7 +269,14 @@ impl PiecewiseLinear for ElasticCoulomb {
                 }
             };
             let memory = (!motion.odd).then_some((recall, -k));
-            pieces.push(ForcePiece { from: 0.0, to: TAU, stiffness: k, offset: -k * slider, memory });
+            pieces.push(ForcePiece {
+                from: 0.0,
+                to: TAU,
+                stiffness: k,
+                offset: -k * slider,
+                start_force: k * (path.tip(0) - slider),
+                memory,
+            });
             return Ok(self.marks(tips.amplitude()));
         }
         let distinct = if motion.odd { count / 2 } else { count };
@@ -282,19 +289,24 @@ impl PiecewiseLinear for ElasticCoulomb {
             }
             let offset = anchored - k * path.tip(anchor);
             let slips = (k * end.displacement + offset - limit) * limit > 0.0;
-            let onset =
-                if slips { crossing(motion.spectrum, start, end, (limit - offset) / k) } else { end.tau };
+            let start_force = if anchor == r { anchored } else { k * path.tip(r) + offset };
+            let onset = if slips {
+                crossing(motion.spectrum, start, end, (limit - start_force) / k)
+            } else {
+                end.tau
+            };
             // In odd motion δw(τ + π) = −δw(τ): opposite turning points share one memory.
             let tau = path.point(anchor % distinct).tau;
             let strength = if anchor % (2 * distinct) < distinct { -k } else { k };
             let memory = Some((Recall::Displacement { tau }, strength));
-            pieces.push(ForcePiece { from: start.tau, to: onset, stiffness: k, offset, memory });
+            pieces.push(ForcePiece { from: start.tau, to: onset, stiffness: k, offset, start_force, memory });
             if slips {
                 pieces.push(ForcePiece {
                     from: onset,
                     to: end.tau,
                     stiffness: 0.0,
                     offset: limit,
+                    start_force: limit,
                     memory: None,
                 });
                 (anchor, anchored) = (r + 1, limit);

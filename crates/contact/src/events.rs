@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::error::LawError;
 use crate::law::{Marks, Motion, Workspace};
 use crate::tangent::Recall;
-use crate::turning_points::{TurningPoint, jet};
+use crate::turning_points::{TurningPoint, drop_from, jet};
 
 /// A stretch of the period on which an element of the contact has the force `f(τ) = stiffness · w(τ) + offset`. The
 /// stretches of several elements in parallel may overlap: their forces add up.
@@ -21,6 +21,9 @@ pub struct ForcePiece {
     pub stiffness: f64,
     /// In N.
     pub offset: f64,
+    /// Force at `from` in N; where the stiffness is not zero that is a turning point. It says more than the offset when the
+    /// stiffness is large: `f(τ) = start_force − stiffness · drop`, with [`crate::drop_from`], has no terms that cancel.
+    pub start_force: f64,
     /// What the offset depends on, and how strongly (N/m): the displacement at the turning point where the last slip
     /// ended.
     pub memory: Option<(Recall, f64)>,
@@ -41,16 +44,24 @@ pub trait PiecewiseLinear {
     ) -> Result<Marks, LawError>;
 }
 
-/// Phase at which the displacement passes `level` on its way from one turning point to the next: Newton's method kept
-/// inside the bracket, started from the half cosine between the two.
-pub(crate) fn crossing(spectrum: &[Complex64], start: TurningPoint, end: TurningPoint, level: f64) -> f64 {
-    let part = ((level - start.displacement) / (end.displacement - start.displacement)).clamp(0.0, 1.0);
+/// So near a turning point, in rad, a way is measured from it without cancellation.
+const NEAR: f64 = 0.01;
+
+/// Phase at which the displacement has gone the way `rise` (with its sign) from one turning point to the next: Newton's method
+/// kept inside the bracket, started from the half cosine between the two.
+pub(crate) fn crossing(spectrum: &[Complex64], start: TurningPoint, end: TurningPoint, rise: f64) -> f64 {
+    let part = (rise / (end.displacement - start.displacement)).clamp(0.0, 1.0);
     let (mut left, mut right) = (start.tau, end.tau);
-    let mut at = left + (right - left) * (1.0 - 2.0 * part).acos() / PI;
+    let mut at = left + (right - left) * 2.0 * part.sqrt().asin() / PI;
     let rising = end.displacement > start.displacement;
     for _ in 0..60 {
         let here = jet(spectrum, at);
-        let beyond = here.displacement - level;
+        let way = if at - start.tau < NEAR {
+            -drop_from(spectrum, start.tau, at - start.tau)
+        } else {
+            here.displacement - start.displacement
+        };
+        let beyond = way - rise;
         if beyond == 0.0 {
             break;
         }

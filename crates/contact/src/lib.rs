@@ -68,4 +68,4 @@ pub use mechanism::{Mechanism, SmoothForce};
 pub use scaled_loop::{ScaledLoop, Symmetry};
 pub use scaling::{MagnitudeLaw, PhaseLaw};
 pub use tangent::{Recall, Recalled, Tangent};
-pub use turning_points::{TurningPoint, TurningPoints};
+pub use turning_points::{TurningPoint, TurningPoints, drop_from};

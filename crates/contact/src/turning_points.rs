@@ -133,17 +133,19 @@ impl TurningPoints {
         if samples < 4 || motion.spectrum.iter().skip(1).all(|c| *c == Complex64::ZERO) {
             return Err(LawError::NoMotion);
         }
-        self.scan(motion, if motion.odd { samples / 2 } else { samples });
+        self.scan(motion);
         if motion.odd {
             self.mirror();
         }
         self.order(motion.odd)
     }
 
-    /// Turning points between the first `count` samples and their successors.
-    fn scan(&mut self, motion: &Motion, count: usize) {
+    /// Turning points between the samples of a period, of the first half of it when the motion is odd, and their
+    /// successors.
+    fn scan(&mut self, motion: &Motion) {
         let v = motion.velocity;
         let samples = v.len();
+        let count = if motion.odd { samples / 2 } else { samples };
         let step = TAU / samples as f64;
         let at = |j: usize| v.get(j % samples).copied().unwrap_or(0.0);
         // A zero sample counts as a positive one, so that every change of sign lies in exactly one interval.
@@ -151,8 +153,11 @@ impl TurningPoints {
             let (here, next) = (at(j), at(j + 1));
             let (left, right) = (j as f64 * step, (j + 1) as f64 * step);
             let rising = here >= 0.0;
-            if rising != (next >= 0.0) {
-                let guess = left + step * here / (here - next);
+            // Half a period on, an odd velocity has the other sign, also where both samples are zero to rounding.
+            let goes_on_rising = if motion.odd && j + 1 == count { at(0) < 0.0 } else { next >= 0.0 };
+            if rising != goes_on_rising {
+                let part = here / (here - next);
+                let guess = left + step * if part >= 0.0 { part.min(1.0) } else { 0.5 };
                 self.points.push(zero_of_velocity(motion.spectrum, left, right, guess, rising));
                 continue;
             }
@@ -241,7 +246,7 @@ impl TurningPoints {
 
 /// `w(τ_r) − w(τ_r + δ)` in m at a turning point τ_r, without cancellation for small δ: the first-order term
 /// `w'(τ_r) δ = 0` is left out analytically.
-pub(crate) fn drop_from(spectrum: &[Complex64], tau: f64, delta: f64) -> f64 {
+pub fn drop_from(spectrum: &[Complex64], tau: f64, delta: f64) -> f64 {
     let step = Complex64::cis(tau);
     let mut wave = Complex64::ONE;
     let mut drop = 0.0;

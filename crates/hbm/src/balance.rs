@@ -200,7 +200,7 @@ impl Balance<'_> {
         if let Some(events) = events {
             contact.marks = Some(events.pieces(&motion, &mut contact.law, &mut contact.events.pieces)?);
             let orders = &self.orders[..slots];
-            contact.events.integrate(orders.last().copied().unwrap_or(0));
+            contact.events.integrate(&contact.spectrum, orders.last().copied().unwrap_or(0));
             if slots > DIRECT {
                 self.convolve(contact, &mut buffers.fft);
                 let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
@@ -238,7 +238,7 @@ impl Balance<'_> {
     /// κ(τ) w(τ) at samples into `force`, with the spectrum of κ cut off where no harmonic of the motion is reached any
     /// more: there are enough samples for the product, so nothing aliases.
     fn convolve(&self, contact: &mut ContactBuffers, fft: &mut Buffers) {
-        let series = contact.events.stiffness().iter().enumerate();
+        let series = contact.events.lasting_stiffness().iter().enumerate();
         let stiffness = series.map(|(q, k)| if q == 0 { *k } else { 2.0 * k });
         self.transform.to_time(stiffness, &mut contact.force, fft);
         self.transform.to_time(contact.spectrum.iter().copied(), &mut contact.displacement, fft);

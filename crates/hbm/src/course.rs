@@ -32,7 +32,7 @@ pub(crate) trait Course {
 }
 
 /// Relative step of the central difference in an entry, and in the frequency of rate-dependent laws.
-const DIFFERENCE: f64 = 1e-5;
+const DIFFERENCE: f64 = 1e-7;
 
 impl Plan {
     /// Makes the workspace ready for evaluations at `hertz`, in the units of the point solved last.

@@ -11,6 +11,10 @@ use faer::c64;
 use crate::plan::{Plan, Rung, Workspace};
 use crate::solution::{Solution, Status};
 
+/// Rounding of a holding force, relative to its limit: without it a contact exactly at its limit could neither rest nor
+/// slide.
+pub(crate) const HOLDING_SLACK: f64 = 1e-13;
+
 impl Plan {
     /// Looks for a solution with contacts at rest; reports it and answers `true` when there is one.
     pub(crate) fn try_holding(&self, ws: &mut Workspace, solution: &mut Solution) -> bool {
@@ -87,7 +91,7 @@ impl Plan {
                 continue;
             }
             let limit = contact.law.holding_force() * contact.scale;
-            if self.peak_holding_force(c, ws) > limit {
+            if self.peak_holding_force(c, ws) > limit * (1.0 + HOLDING_SLACK) {
                 ws.held[c] = false;
                 released += 1;
             }

@@ -9,7 +9,7 @@
 
 use std::f64::consts::TAU;
 
-use contact::{ForcePiece, Recall};
+use contact::{ForcePiece, Recall, drop_from};
 use faer::c64;
 
 /// The force of one contact by its events; buffers are reused.
@@ -20,28 +20,47 @@ pub(crate) struct PieceSeries {
     integrals: Vec<c64>,
     /// K_q.
     stiffness: Vec<c64>,
-    /// C_q.
+    /// The part of K_q that makes the force: of pieces that are not brief.
+    lasting: Vec<c64>,
+    /// C_q, likewise.
     constant: Vec<c64>,
+    /// What brief pieces add to F_p, two-sided.
+    brief: Vec<c64>,
     /// The distinct functionals that the pieces remember.
     recalls: Vec<Recall>,
 }
 
 impl PieceSeries {
     /// Integrates the pieces for harmonics of the motion up to `highest`.
-    pub(crate) fn integrate(&mut self, highest: usize) {
+    pub(crate) fn integrate(&mut self, spectrum: &[c64], highest: usize) {
         let length = 2 * highest + 1;
         self.integrals.resize(self.pieces.len() * length, c64::ZERO);
-        for coefficients in [&mut self.stiffness, &mut self.constant] {
+        for coefficients in [&mut self.stiffness, &mut self.lasting, &mut self.constant] {
             coefficients.clear();
             coefficients.resize(length, c64::ZERO);
         }
+        self.brief.clear();
+        self.brief.resize(highest + 1, c64::ZERO);
         for (piece, row) in self.pieces.iter().zip(self.integrals.chunks_exact_mut(length)) {
             integrals(piece, row);
-            add(&mut self.constant, row, piece.offset);
-            if piece.stiffness != 0.0 {
-                add(&mut self.stiffness, row, piece.stiffness);
+            if piece.stiffness == 0.0 {
+                add(&mut self.constant, row, piece.offset);
+                continue;
+            }
+            add(&mut self.stiffness, row, piece.stiffness);
+            let width = piece.to - piece.from;
+            if width < BRIEF && width * (highest as f64) < RESOLVED {
+                add_brief(&mut self.brief, piece, spectrum);
+            } else {
+                add(&mut self.lasting, row, piece.stiffness);
+                add(&mut self.constant, row, piece.offset);
             }
         }
+    }
+
+    /// The stiffness whose product with the motion, with [`PieceSeries::constant`], is the force, in N/m.
+    pub(crate) fn lasting_stiffness(&self) -> &[c64] {
+        &self.lasting
     }
 
     /// K_q, q = 0 … twice the highest harmonic, in N/m.
@@ -49,18 +68,19 @@ impl PieceSeries {
         &self.stiffness
     }
 
-    /// C_q in N.
+    /// C_q in N, and what brief pieces add.
     pub(crate) fn constant(&self, order: usize) -> c64 {
-        self.constant.get(order).copied().unwrap_or(c64::ZERO)
+        let at = |row: &[c64]| row.get(order).copied().unwrap_or(c64::ZERO);
+        at(&self.constant) + at(&self.brief)
     }
 
     /// F_p in N for p = `orders[slot]`, of the motion with spectrum W (index: order).
     pub(crate) fn force(&self, spectrum: &[c64], orders: &[usize], slot: usize) -> c64 {
         let p = orders[slot];
-        let mut sum = 2.0 * self.constant[p];
+        let mut sum = 2.0 * self.constant(p);
         for &j in orders {
-            let difference = if p >= j { self.stiffness[p - j] } else { self.stiffness[j - p].conj() };
-            sum += spectrum[j] * difference + spectrum[j].conj() * self.stiffness[p + j];
+            let difference = if p >= j { self.lasting[p - j] } else { self.lasting[j - p].conj() };
+            sum += spectrum[j] * difference + spectrum[j].conj() * self.lasting[p + j];
         }
         if p == 0 { 0.5 * sum } else { sum }
     }
@@ -89,19 +109,52 @@ impl PieceSeries {
     }
 }
 
-/// I_q for q = 0 … as many as there is room for: ∫ e^{−iqτ} dτ = (e^{−iq from} − e^{−iq to}) / (iq).
+/// I_q for q = 0 … as many as there is room for: ∫ e^{−iqτ} dτ = e^{−iq mid} sin(q half) · 2/q. With the half width as a
+/// factor a short piece keeps its digits: at amplitudes far above the slip displacement a piece that sticks is short and
+/// its stiffness large.
 fn integrals(piece: &ForcePiece, row: &mut [c64]) {
-    let (begin, end) = (c64::cis(-piece.from), c64::cis(-piece.to));
-    let (mut before, mut after) = (begin, end);
+    let half = 0.5 * (piece.to - piece.from);
+    let (turn, widen) = (c64::cis(-(piece.from + half)), c64::cis(half));
+    let (mut middle, mut width) = (turn, widen);
     for (q, integral) in row.iter_mut().enumerate() {
         if q == 0 {
-            *integral = c64::from((piece.to - piece.from) / TAU);
+            *integral = c64::from(2.0 * half / TAU);
             continue;
         }
-        let difference = before - after;
-        *integral = c64::new(difference.im, -difference.re) * (1.0 / (q as f64 * TAU));
-        before *= begin;
-        after *= end;
+        *integral = middle * (width.im * 2.0 / (q as f64 * TAU));
+        middle *= turn;
+        width *= widen;
+    }
+}
+
+/// Pieces shorter than this, in rad, are integrated by quadrature: at amplitudes so far above the slip displacement κ w and c
+/// would cancel.
+const BRIEF: f64 = 1e-3;
+
+/// Up to this many radians of the highest wave the quadrature is exact to rounding.
+const RESOLVED: f64 = 0.5;
+
+/// Nodes on (0, 1) and weights of the Gauss–Legendre rule with five points.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
+    (0.5, 0.284_444_444_444_444_44),
+    (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
+/// Adds (1/2π) ∫ f e^{−ipτ} dτ over a piece that starts at a turning point.
+fn add_brief(sum: &mut [c64], piece: &ForcePiece, spectrum: &[c64]) {
+    let width = piece.to - piece.from;
+    for (node, weight) in GAUSS {
+        let delta = node * width;
+        let force = piece.start_force - piece.stiffness * drop_from(spectrum, piece.from, delta);
+        let turn = c64::cis(-(piece.from + delta));
+        let mut wave = c64::from(force * weight * width / TAU);
+        for entry in sum.iter_mut() {
+            *entry += wave;
+            wave *= turn;
+        }
     }
 }
 

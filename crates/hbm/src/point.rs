@@ -56,6 +56,63 @@ struct Held {
     contacts: Vec<usize>,
     lu: Lu<c64>,
     rhs: Mat<c64>,
+    /// G_hh and the right-hand sides as they were, for contacts that share a motion.
+    receptance: Mat<c64>,
+    wanted: Mat<c64>,
+}
+
+/// Below this ratio of pivots G_hh counts as singular: contacts share a motion (the same contact twice, or a closed ring of
+/// them), and how they share the force is not determined.
+const SHARED: f64 = 1e-12;
+
+/// Share of the diagonal that is added to a singular G_hh: every contact gives way a little, which shares the force equally; refined
+/// so often, nothing of the give is left.
+const GIVE: f64 = 1e-8;
+const REFINEMENTS: usize = 3;
+
+impl Held {
+    /// Replaces the first `columns` of `rhs` by `G_hh⁻¹ rhs`, `G_hh` in `receptance`; of many solutions the smallest.
+    fn solve(&mut self, columns: usize) {
+        let n = self.contacts.len();
+        let largest = (0..n).map(|r| self.receptance[(r, r)].norm()).fold(0.0, f64::max);
+        for c in 0..n {
+            for r in 0..n {
+                self.lu.matrix[(r, c)] = self.receptance[(r, c)];
+            }
+        }
+        self.lu.factor(n);
+        if self.lu.is_regular(SHARED) || largest == 0.0 {
+            return self.lu.solve(self.rhs.as_mut().submatrix_mut(0, 0, n, columns));
+        }
+        // The diagonal of a passive structure points into one half plane; so does what is added to it.
+        for c in 0..n {
+            for r in 0..n {
+                self.lu.matrix[(r, c)] = self.receptance[(r, c)];
+            }
+            self.lu.matrix[(c, c)] += self.receptance[(c, c)] * GIVE;
+        }
+        self.lu.factor(n);
+        for c in 0..columns {
+            for r in 0..n {
+                self.wanted[(r, c)] = self.rhs[(r, c)];
+            }
+        }
+        self.lu.solve(self.rhs.as_mut().submatrix_mut(0, 0, n, columns));
+        for _ in 0..REFINEMENTS {
+            for c in 0..columns {
+                let mut missing = vec![c64::ZERO; n];
+                for (r, missing) in missing.iter_mut().enumerate() {
+                    let got: c64 = (0..n).map(|l| self.receptance[(r, l)] * self.rhs[(l, c)]).sum();
+                    *missing = self.wanted[(r, c)] - got;
+                }
+                let mut correction = Mat::from_fn(n, 1, |r, _| missing[r]);
+                self.lu.solve(correction.as_mut());
+                for r in 0..n {
+                    self.rhs[(r, c)] += correction[(r, 0)];
+                }
+            }
+        }
+    }
 }
 
 impl Point {
@@ -76,6 +133,8 @@ impl Point {
                 contacts: Vec::with_capacity(contacts),
                 lu: Lu::new(contacts, contacts + 1),
                 rhs: Mat::zeros(contacts, contacts + 1),
+                receptance: Mat::zeros(contacts, contacts),
+                wanted: Mat::zeros(contacts, contacts + 1),
             },
         }
     }
@@ -136,15 +195,14 @@ impl Point {
         if held > 0 {
             for (r, &h) in self.held.contacts.iter().enumerate() {
                 for (c, &other) in self.held.contacts.iter().enumerate() {
-                    self.held.lu.matrix[(r, c)] = g(h, other);
+                    self.held.receptance[(r, c)] = g(h, other);
                 }
                 for (c, &other) in self.active.iter().enumerate() {
                     self.held.rhs[(r, c)] = g(h, other);
                 }
                 self.held.rhs[(r, width)] = free(h);
             }
-            self.held.lu.factor(held);
-            self.held.lu.solve(self.held.rhs.as_mut().submatrix_mut(0, 0, held, width + 1));
+            self.held.solve(width + 1);
         }
         let through = |i: usize, column: usize| -> c64 {
             self.held.contacts.iter().enumerate().map(|(r, &h)| g(i, h) * self.held.rhs[(r, column)]).sum()
@@ -222,11 +280,11 @@ impl Point {
         unknowns: &[c64],
         mut receive: impl FnMut(usize, c64),
     ) {
-        let (all, width, held) = (condensed.contacts, self.active.len(), self.held.contacts.len());
+        let (all, width) = (condensed.contacts, self.active.len());
         let g = |i: usize, l: usize| condensed.receptance[(slot * all + i) * all + l];
         for (r, &h) in self.held.contacts.iter().enumerate() {
             for (c, &other) in self.held.contacts.iter().enumerate() {
-                self.held.lu.matrix[(r, c)] = g(h, other);
+                self.held.receptance[(r, c)] = g(h, other);
             }
             let pull: c64 = self
                 .active
@@ -239,8 +297,7 @@ impl Point {
                 .sum();
             self.held.rhs[(r, 0)] = condensed.free[slot * all + h] - pull;
         }
-        self.held.lu.factor(held);
-        self.held.lu.solve(self.held.rhs.as_mut().submatrix_mut(0, 0, held, 1));
+        self.held.solve(1);
         for (r, &h) in self.held.contacts.iter().enumerate() {
             receive(h, self.held.rhs[(r, 0)]);
         }

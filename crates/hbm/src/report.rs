@@ -111,9 +111,9 @@ impl Plan {
     /// structure is singular.
     pub fn linear_response(&self, frequency: f64, workspace: &mut Workspace) -> Option<Vec<Vec<Complex64>>> {
         let slots = self.slots();
-        self.structure.condense(frequency, 0..slots, &mut workspace.condensed).ok()?;
+        self.structure.condense_alone(frequency, 0..slots, &mut workspace.condensed).ok()?;
         let outputs = workspace.condensed.outputs;
-        if workspace.condensed.lent[..slots * self.contacts.len()].iter().any(|lent| *lent != c64::ZERO) {
+        if workspace.condensed.singular[..slots].contains(&true) {
             return None;
         }
         let row = |o: usize| (0..slots).map(|s| workspace.condensed.free_output[s * outputs + o]).collect();

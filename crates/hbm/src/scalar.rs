@@ -12,6 +12,8 @@
 use contact::DescribingFunction;
 use num_complex::Complex64;
 
+use crate::holding::HOLDING_SLACK;
+
 /// The balance of the first harmonic at one contact.
 pub(crate) struct ScalarBalance<'l> {
     pub(crate) law: &'l dyn DescribingFunction,
@@ -61,16 +63,23 @@ impl ScalarBalance<'_> {
         (self.receptance * self.law.first_harmonic(a).force * self.scale).norm()
     }
 
-    /// Whether the contact can hold the excitation at rest.
+    /// Whether the contact can hold the excitation at rest, up to the rounding of both.
     pub(crate) fn can_hold(&self) -> bool {
         let limit = self.receptance * self.law.at_rest() * self.scale;
-        limit != Complex64::ZERO && self.free.norm() <= limit.norm()
+        limit != Complex64::ZERO && self.free.norm() <= limit.norm() * (1.0 + HOLDING_SLACK)
     }
 
     /// Harmonic of the relative displacement in m that belongs to the root `a`.
     pub(crate) fn displacement(&self, a: f64) -> Complex64 {
+        // Of magnitude a, whatever rounding makes of |z| = |u⁰| where its terms nearly cancel.
         let z = self.own * a + self.receptance * self.law.first_harmonic(a).force * self.scale;
-        self.free * (a / z)
+        let direction = self.free / z;
+        direction * (a / direction.norm())
+    }
+
+    /// Whether the law creates energy at this amplitude: no root there is a motion of a friction contact.
+    pub(crate) fn creates_energy(&self, a: f64) -> bool {
+        self.law.first_harmonic(a).force.im < 0.0
     }
 
     /// |φ| relative to |u⁰|.
@@ -142,9 +151,14 @@ impl ScalarBalance<'_> {
             }
             let node = self.node(right);
             self.cell(left, node, HALVINGS, roots);
-            // The slope may jump at a landmark: go on with the slope beyond it.
+            // The slope may jump at a landmark: go on with the slope beyond it. A root may lie in between.
             left = if Some(right) == landmark { self.node(right * (1.0 + 4.0 * f64::EPSILON)) } else { node };
-            if last && right >= upper {
+            let stepped_over = left.a != node.a && node.value * left.value <= 0.0 && left.value != 0.0;
+            let done = last && right >= upper;
+            if stepped_over || (done && node.value == 0.0) {
+                roots.push(node.a);
+            }
+            if done {
                 break;
             }
         }

@@ -194,6 +194,12 @@ impl Solution {
         self.contacts.clear();
     }
 
+    /// Whether every number is one: where rounding leaves nothing there is no solution.
+    pub(crate) fn is_finite(&self) -> bool {
+        let contacts = self.contacts.iter().flat_map(|c| c.displacement.iter().chain(&c.force));
+        self.displacement.iter().flatten().chain(contacts).all(|z| z.re.is_finite() && z.im.is_finite())
+    }
+
     /// Whether `other` is another motion of the contacts, beyond the error of the iteration.
     pub(crate) fn differs_from(&self, other: &Self) -> bool {
         let pairs = || self.contacts.iter().zip(&other.contacts);

@@ -64,6 +64,9 @@ impl Plan {
         } else {
             self.iterative(ws, solution);
         }
+        if solution.status.solved() && !solution.is_finite() {
+            solution.fail(FailureReason::NotConverged);
+        }
         solution.stats = ws.stats;
         ws.has_previous = solution.status.solved();
     }
@@ -141,9 +144,19 @@ impl Plan {
         ws.unknowns[slot] = displacement / length;
         let first = balance.law.first_harmonic(a).force * balance.scale;
         ws.balance[0].forces[slot] = first * (displacement / a) / force;
-        if slot == 1 {
-            // A mean that no contact force opposes.
-            ws.unknowns[0] = ws.point.free[0];
+        if let (1, Some(mean)) = (slot, self.free_mean(ws)) {
+            ws.unknowns[0] = mean;
+        }
+    }
+
+    /// The dimensionless mean displacement that no contact force opposes, `û⁰/(1 − Ĝ Ŝ)`; `None` where the structure does
+    /// not determine it.
+    fn free_mean(&self, ws: &Workspace) -> Option<c64> {
+        let (free, lent) = (ws.point.free[0], ws.point.lent[0]);
+        match ws.condensed.singular.first() {
+            Some(true) if free != c64::ZERO => None,
+            Some(true) => Some(c64::ZERO),
+            _ => Some(free / (1.0 - ws.point.receptance[0] * lent)),
         }
     }
 
@@ -152,10 +165,15 @@ impl Plan {
         let Some(balance) = self.scalar_balance(ws) else {
             return self.iterative(ws, solution);
         };
+        if self.first_slot() == Some(1) && self.free_mean(ws).is_none() {
+            return self.fail(None, f64::INFINITY, ws, solution);
+        }
         let mut roots = std::mem::take(&mut ws.roots);
         roots.clear();
         balance.roots(&mut roots);
         roots.sort_by(|a, b| b.total_cmp(a));
+        let negative = roots.iter().copied().find(|a| balance.creates_energy(*a));
+        roots.retain(|a| !balance.creates_energy(*a));
         let (mut reported, largest) = (false, roots.first().copied());
         for &a in roots.iter().take(if self.settings.all_solutions { usize::MAX } else { 1 }) {
             self.place_root(&balance, a, ws);
@@ -195,7 +213,11 @@ impl Plan {
         match reported {
             true => solution.solutions = Some(count),
             // Held by the first harmonic alone, but not together with a static load.
-            false => self.fail(can_hold.then_some(LawError::NoMotion), f64::INFINITY, ws, solution),
+            false if can_hold => self.fail(Some(LawError::NoMotion), f64::INFINITY, ws, solution),
+            false => {
+                let alpha = |a: f64| LawError::NegativeMagnitude { alpha: a / balance.length };
+                self.fail(negative.map(alpha), f64::INFINITY, ws, solution);
+            }
         }
     }
 
@@ -306,9 +328,8 @@ impl Plan {
 
     /// The harmonic of Ω at which the structure alone is singular, if there is one.
     fn singular_harmonic(&self, ws: &Workspace) -> Option<usize> {
-        let lent = ws.point.lent.iter().take(ws.ready * ws.point.width());
-        let entry = lent.into_iter().position(|lent| *lent != c64::ZERO)?;
-        self.harmonics.orders.get(entry / ws.point.width()).copied()
+        let slot = ws.condensed.singular.iter().take(ws.ready).position(|singular| *singular)?;
+        self.harmonics.orders.get(slot).copied()
     }
 
     /// The paper's strategy: damped Newton from the previous frequency's solution.

@@ -25,13 +25,19 @@ use faer::{Mat, c64};
 
 use crate::dense::Lu;
 use crate::harmonics::Harmonics;
-use crate::problem::{ExcitationKind, Problem};
+use crate::problem::{Contact, ExcitationKind, Problem};
 
 /// Pivots of the balanced dynamic stiffness below this fraction of the largest count as zero.
 const SINGULAR: f64 = 1e-15;
 
-/// Below this fraction springs are lent: the receptance would have lost too many digits.
+/// Springs that leave a smaller fraction do not reach what is singular, or are lost in its rounding.
+const STILL_SINGULAR: f64 = 1e-12;
+
+/// Below this fraction the structure counts as singular without its contacts.
 const NEARLY_SINGULAR: f64 = 1e-11;
+
+/// Below this fraction springs are lent: the receptance would lose digits that the balance has.
+const ILL_CONDITIONED: f64 = 1e-3;
 
 /// One entry of a harmonic's excitation vector: `amplitude · Ω^power` on `dof`.
 #[derive(Debug, Clone, Copy)]
@@ -48,6 +54,8 @@ pub(crate) struct Structure {
     damping: Mat<f64>,
     stiffness: Mat<f64>,
     contacts: Vec<(usize, Option<usize>)>,
+    /// In N/m; infinite where a law has no stiffness of its own.
+    contact_stiffness: Vec<f64>,
     outputs: Vec<usize>,
     /// For each output dof that contacts tie to the ground: the contacts on the way and their signs.
     paths: Vec<Option<Vec<(usize, f64)>>>,
@@ -76,9 +84,21 @@ pub(crate) struct Condensed {
     pub(crate) lent: Vec<c64>,
     /// Structural damping added to every dof, as a part of its own dynamic stiffness; for homotopies.
     pub(crate) added_damping: f64,
+    /// Whether the structure alone is singular, entry `[slot]`.
+    pub(crate) singular: Vec<bool>,
     lu: Lu<c64>,
     rhs: Mat<c64>,
     scale: Vec<f64>,
+}
+
+/// Stiffness of a contact in N/m where its law changes its character, or everywhere.
+fn own_stiffness(contact: &Contact) -> f64 {
+    let law = &contact.law;
+    match (law.length(), law.nature().linear) {
+        (Some(length), _) => law.secant_stiffness(length) * contact.scale,
+        (None, true) => law.secant_stiffness(1.0) * contact.scale,
+        (None, false) => f64::INFINITY,
+    }
 }
 
 /// The shortest chain of contacts from every output dof to the ground, where there is one.
@@ -136,6 +156,7 @@ impl Structure {
             damping: model.damping.clone(),
             stiffness: model.stiffness.clone(),
             contacts: problem.contacts.iter().map(|c| (c.first, c.second)).collect(),
+            contact_stiffness: problem.contacts.iter().map(own_stiffness).collect(),
             outputs: problem.output.clone(),
             paths: paths_to_ground(problem),
             orders: harmonics.orders.clone(),
@@ -162,6 +183,7 @@ impl Structure {
             free_output: vec![c64::ZERO; slots * outputs],
             lent: vec![c64::ZERO; slots * contacts],
             added_damping: 0.0,
+            singular: vec![false; slots],
             lu: Lu::new(n, contacts + 1),
             rhs: Mat::zeros(n, contacts + 1),
             scale: vec![1.0; n],
@@ -178,6 +200,29 @@ impl Structure {
         slots: Range<usize>,
         into: &mut Condensed,
     ) -> Result<(), usize> {
+        self.condense_where(hertz, slots, ILL_CONDITIONED, into)
+    }
+
+    /// As [`Structure::condense`], with springs lent only where the structure is singular.
+    ///
+    /// # Errors
+    /// The harmonic of Ω at which the dynamic stiffness is singular.
+    pub(crate) fn condense_alone(
+        &self,
+        hertz: f64,
+        slots: Range<usize>,
+        into: &mut Condensed,
+    ) -> Result<(), usize> {
+        self.condense_where(hertz, slots, NEARLY_SINGULAR, into)
+    }
+
+    fn condense_where(
+        &self,
+        hertz: f64,
+        slots: Range<usize>,
+        lending: f64,
+        into: &mut Condensed,
+    ) -> Result<(), usize> {
         let base = std::f64::consts::TAU * hertz;
         let lowest = self.orders.iter().find(|&&order| order > 0);
         into.omega = base * lowest.map_or(1.0, |&order| order as f64);
@@ -185,10 +230,12 @@ impl Structure {
             let contacts = slot * into.contacts..(slot + 1) * into.contacts;
             into.lent[contacts.clone()].fill(c64::ZERO);
             self.factor(order as f64 * base, slot, into);
-            if !into.lu.is_regular(NEARLY_SINGULAR) {
+            into.singular[slot] = !into.lu.is_regular(NEARLY_SINGULAR);
+            if !into.lu.is_regular(lending) {
                 self.lend(order as f64 * base, slot, into);
                 self.factor(order as f64 * base, slot, into);
-                if !into.lu.is_regular(SINGULAR) {
+                let still = if into.singular[slot] { STILL_SINGULAR } else { SINGULAR };
+                if !into.lu.is_regular(still) {
                     return Err(order);
                 }
             }
@@ -237,12 +284,15 @@ impl Structure {
         into.lu.factor(n);
     }
 
-    /// Springs as stiff as the structure itself at the contacts of one slot.
+    /// Springs at the contacts of one slot, as stiff as the contacts, and no stiffer than the structure itself: stiffer
+    /// ones would hide what weak contacts do.
     fn lend(&self, omega: f64, slot: usize, into: &mut Condensed) {
         let size = |scale: f64| 1.0 / (scale * scale);
-        for (l, &(first, second)) in self.contacts.iter().enumerate() {
+        for (l, (&(first, second), contact)) in self.contacts.iter().zip(&self.contact_stiffness).enumerate()
+        {
             let own = size(into.scale[first]);
-            let stiffness = second.map_or(own, |second| own.min(size(into.scale[second])));
+            let structure = second.map_or(own, |second| own.min(size(into.scale[second])));
+            let stiffness = structure.min(*contact);
             into.lent[slot * into.contacts + l] =
                 if omega == 0.0 { c64::from(stiffness) } else { c64::new(0.0, stiffness) };
         }
