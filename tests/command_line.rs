@@ -240,8 +240,14 @@ fn a_link_to_a_result_stays_a_link_and_permissions_stay() {
 #[test]
 fn a_closed_pipe_is_no_failure() {
     let folder = example("elastic-coulomb");
-    for arguments in [&["sweep", "elastic-coulomb.json"][..], &["schema"], &["completions", "bash"], &["man"]]
-    {
+    for arguments in [
+        &["sweep", "elastic-coulomb.json"][..],
+        &["sweep", "elastic-coulomb.json", "--format", "csv"],
+        &["continue", "elastic-coulomb.json", "--format", "csv"],
+        &["schema"],
+        &["completions", "bash"],
+        &["man"],
+    ] {
         let mut child = stickslip(folder.path())
             .args(arguments)
             .stdout(Stdio::piped())
@@ -447,4 +453,185 @@ fn schema_completions_manual_and_help() {
     assert!(text(&["--version"]).starts_with("stickslip "));
     // Without a command help is shown, and it is an error.
     assert_eq!(run(folder.path(), &[]).status.code(), Some(2));
+}
+
+/// The answer of `continue` as JSON.
+fn curve(folder: &Path, arguments: &[&str]) -> (Option<i32>, Value) {
+    let output = run(folder, &[&["continue"], arguments, &["--format", "json"]].concat());
+    (output.status.code(), serde_json::from_slice(&output.stdout).unwrap())
+}
+
+fn folds(curve: &Value) -> Vec<f64> {
+    let points = curve["points"].as_array().unwrap().iter();
+    points.filter(|point| point["fold"] == true).map(|point| point["parameter"].as_f64().unwrap()).collect()
+}
+
+#[test]
+fn a_curve_has_the_form_that_was_promised() {
+    let folder = example("cubic");
+    let (code, value) = curve(folder.path(), &["cubic.json"]);
+    assert_eq!(code, Some(0));
+    let expected = [
+        "dofs",
+        "end",
+        "format_version",
+        "notes",
+        "parameter",
+        "points",
+        "reason",
+        "scene",
+        "solve_s",
+        "units",
+    ];
+    assert_eq!(keys(&value), expected);
+    assert_eq!(
+        (&value["parameter"], &value["end"], &value["reason"]),
+        (&json!("frequency"), &json!("reached"), &json!(""))
+    );
+    let [up, down] = folds(&value)[..] else { panic!("{:?}", folds(&value)) };
+    assert!((up - 43.2618).abs() < 1e-4 && (down - 43.2193).abs() < 1e-4, "{up} {down}");
+    let points = value["points"].as_array().unwrap();
+    for (before, after) in points.iter().zip(&points[1..]) {
+        assert!(before["arclength"].as_f64() < after["arclength"].as_f64());
+    }
+    let ends = [&points[0], &points[points.len() - 1]].map(|point| point["parameter"].as_f64().unwrap());
+    assert_eq!(ends, [38.0, 48.0]);
+    for dof in ["w1", "w2"] {
+        let peaks = points.iter().filter(|point| point["peaks"].as_array().unwrap().contains(&json!(dof)));
+        let peaks: Vec<f64> = peaks.map(|point| point["frequency"].as_f64().unwrap()).collect();
+        assert!(peaks.len() == 1 && (peaks[0] - 43.243).abs() < 1e-3, "{dof}: {peaks:?}");
+    }
+    // The same from the other end.
+    let (_, back) = curve(folder.path(), &["cubic.json", "--from", "46", "--to", "41"]);
+    let folds = folds(&back);
+    assert!((folds[0] - down).abs() < 1e-6 && (folds[1] - up).abs() < 1e-6, "{folds:?}");
+}
+
+#[test]
+fn a_curve_as_text_csv_and_picture() {
+    let folder = example("cubic");
+    let text = run(folder.path(), &["continue", "cubic.json", "--format", "text"]);
+    for line in
+        ["from 38 Hz to 48 Hz, N = 7\n", "\nfold at 43.2618", "\nfold at 43.2192", "\npeak of w2 at 43.24"]
+    {
+        assert!(stdout(&text).contains(line), "{}", stdout(&text));
+    }
+    let output = run(folder.path(), &["continue", "cubic.json", "-o", "curve.csv"]);
+    assert_eq!((output.status.code(), stdout(&output)), (Some(0), ""));
+    let table = fs::read_to_string(folder.path().join("curve.csv")).unwrap();
+    assert!(table.starts_with("arclength,parameter,fold,dof,harmonic,re,im\n0e0,3.8e1,0,w1,1,"));
+    // Four harmonics of two dofs at two folds.
+    assert_eq!(table.lines().filter(|line| line.split(',').nth(2) == Some("1")).count(), 16);
+    #[cfg(feature = "plot")]
+    {
+        let output = run(folder.path(), &["continue", "cubic.json", "-o", "c.json", "--plot", "c.svg"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(fs::read_to_string(folder.path().join("c.svg")).unwrap().contains("<svg"));
+    }
+}
+
+#[test]
+fn a_curve_along_an_entry() {
+    let folder = example("cubic");
+    let along = ["cubic.json", "--along", "/excitation/0/amplitude"];
+    let (code, value) =
+        curve(folder.path(), &[&along[..], &["--at", "43.5", "--from", "0.1", "--to", "20"]].concat());
+    assert_eq!((code, &value["parameter"]), (Some(0), &json!("/excitation/0/amplitude")));
+    let [up, down] = folds(&value)[..] else { panic!("{:?}", folds(&value)) };
+    assert!((up - 6.3158).abs() < 1e-3 && (down - 3.9170).abs() < 1e-3, "{up} {down}");
+    assert!(value["points"].as_array().unwrap().iter().all(|point| point["frequency"] == 43.5));
+    // With one frequency in the scene that one is meant; without --from the entry's own value.
+    let (code, value) =
+        curve(folder.path(), &[&along[..], &["--frequencies", "43.5", "--to", "20"]].concat());
+    assert_eq!((code, &value["points"][0]["parameter"]), (Some(0), &json!(3.0)));
+}
+
+#[test]
+fn a_curve_that_makes_no_sense_is_refused() {
+    let folder = example("cubic");
+    let at = ["--at", "43.5"];
+    for (arguments, named) in [
+        (&["--along", "/excitation/0/amplitud", "--to", "20"][..], "did you mean \"amplitude\"?"),
+        (&["--along", "excitation/0/amplitude", "--to", "20"], "is no JSON pointer"),
+        (&["--along", "/name", "--to", "20"], "only numbers can be varied"),
+        (&["--along", "/excitation/0/amplitude"], "name another value with --to"),
+        (&["--along", "/excitation/0/amplitude", "--to", "inf"], "must be a finite number"),
+        (
+            &["--along", "/excitation/0/harmonic", "--to", "3"],
+            "excitation[0].harmonic: must be a whole number",
+        ),
+        (&["--along", "/model/mass/0/0", "--to", "-1"], "model.mass"),
+        (&["--along", "/harmonics", "--to", "31"], "name an entry of the model"),
+        (&["--along", "/frequencies/from", "--to", "40"], "name an entry of the model"),
+    ] {
+        let output =
+            run(folder.path(), &[&["continue", "cubic.json", "-o", "c.json"], arguments, &at].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&output).contains(named), "{arguments:?}: {}", stderr(&output));
+    }
+    for (arguments, named) in [
+        (&["--along", "/excitation/0/amplitude", "--to", "20"][..], "name one with --at"),
+        (&["--at", "43"], "--along"),
+        (&["--from", "0", "--to", "10"], "--from and --to"),
+        (&["--from", "nan", "--to", "10"], "must be a finite number"),
+        (&["--frequencies", "60"], "--from and --to"),
+        (&["--plot", "c.pdf"], "name the file .svg or .png"),
+    ] {
+        let output = run(folder.path(), &[&["continue", "cubic.json", "-o", "c.json"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&output).contains(named), "{arguments:?}: {}", stderr(&output));
+    }
+    assert!(!folder.path().join("c.json").exists());
+}
+
+#[test]
+fn a_curve_that_cannot_begin_has_code_1_and_says_why() {
+    let folder = example("two-mass");
+    let arguments = [
+        "two-mass.json",
+        "--along",
+        "/excitation/0/amplitude",
+        "--at",
+        "62",
+        "--from",
+        "1e-3",
+        "--to",
+        "0.5",
+    ];
+    let (code, value) = curve(folder.path(), &arguments);
+    assert_eq!((code, &value["end"], &value["points"]), (Some(1), &json!("rest"), &json!([])));
+    assert!(value["reason"].as_str().unwrap().contains("at rest"), "{value}");
+    #[cfg(feature = "plot")]
+    {
+        let output = run(
+            folder.path(),
+            &[&["continue"], &arguments[..], &["--plot", "c.svg", "-o", "c.json"]].concat(),
+        );
+        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+        assert!(folder.path().join("c.json").exists() && !folder.path().join("c.svg").exists());
+    }
+    // Where the loop was not measured the curve says so, as a sweep does.
+    let (_, value) = curve(folder.path(), &["two-mass.json", "--from", "100", "--to", "112"]);
+    assert!(value["notes"][0].as_str().unwrap().contains("the law is extrapolated there"), "{value}");
+}
+
+#[test]
+fn an_orbit_is_no_table() {
+    let folder = example("cubic");
+    let orbit = ["orbit", "cubic.json", "--frequency", "43"];
+    let output = run(folder.path(), &[&orbit[..], &["-o", "orbit.csv"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--waveform FILE.csv"), "{}", stderr(&output));
+    let output = run(folder.path(), &[&orbit[..], &["-o", "orbit.txt", "--waveform", "orbit.csv"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(read("orbit.txt").starts_with("cubic at 43 Hz") && read("orbit.csv").starts_with("time [s],"));
+}
+
+#[test]
+fn a_missing_folder_is_named() {
+    let folder = example("cubic");
+    let output = run(folder.path(), &["sweep", "cubic.json", "-o", "nowhere/out.json"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stderr(&output).contains("there is no folder nowhere"), "{}", stderr(&output));
 }

@@ -216,6 +216,15 @@ fn what_cannot_be_studied() {
         "study.json: vary./contacts/0/law/symmetric: must not be empty",
     );
     refused(&["study", "missing.json"], "cannot read missing.json");
+    for (pointer, message) in
+        [("/harmonics", "write \"harmonics\": [1, 3, 7]"), ("/frequencies/from", "would change nothing")]
+    {
+        let mut study = good();
+        study["vary"] = json!({ pointer: [1, 3] });
+        fs::write(folder.path().join("idle.json"), study.to_string()).unwrap();
+        refused(&["study", "idle.json"], &format!("idle.json: vary.{pointer}"));
+        refused(&["study", "idle.json"], message);
+    }
     refused(&["study", "good.json", "--restart"], "--output");
     refused(&["study", "good.json", "--quantity", "first"], "--plot");
     refused(

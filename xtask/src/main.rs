@@ -4,6 +4,7 @@ mod ci;
 mod error_vs_runtime;
 mod estimates;
 mod figures;
+mod fuzz;
 mod iwan;
 mod library;
 mod loop_family;
@@ -34,6 +35,7 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   error-vs-runtime --draw  figures and page once more from the measured data
   error-vs-runtime --quick fails when errors are out of order or the page is not that of its data
   estimates [SCENE…]       what error estimates are worth on the scene library (or on scenes of such names): tables, CSV
+  fuzz [SECONDS]           coverage-guided fuzzing of scenes, records and studies; needs a nightly compiler and cargo-fuzz
   iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
   loop-family FILE…        the same question to measured records at several amplitudes; prints a table
@@ -60,6 +62,7 @@ fn run() -> Result<()> {
         ["error-vs-runtime", "--draw"] => error_vs_runtime::draw(&root()),
         ["error-vs-runtime", "--quick"] => error_vs_runtime::quick(&root()),
         ["estimates", names @ ..] => estimates::run(&root(), names),
+        ["fuzz", seconds @ ..] => fuzz::run(&root(), seconds),
         ["iwan"] => iwan::write(&root()),
         ["iwan", "--check"] => iwan::check(&root()),
         ["loop-family", "--check"] => loop_family::check(&root()),

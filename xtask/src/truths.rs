@@ -16,10 +16,10 @@ pub(crate) struct Known {
 /// What closes an orbit, and rounding.
 const ORBIT: f64 = 1e-11;
 
-/// The truth at every frequency of `scene`, in its order, for comparison with solutions of up to `largest` harmonics;
-/// none where none was found.
-pub(crate) fn of_scene(scene: &Scene, largest: usize) -> Result<Vec<Option<Known>>> {
-    let truths = Truths::new(scene, largest)?.compared_up_to(HIGHEST);
+/// The truth at every frequency of `scene`, in its order, for comparison with solutions of up to `largest` harmonics, or
+/// of up to `highest` where it is an orbit; none where none was found.
+pub(crate) fn of_scene(scene: &Scene, largest: usize, highest: usize) -> Result<Vec<Option<Known>>> {
+    let truths = Truths::new(scene, largest)?.compared_up_to(highest);
     let known = |hertz: &f64| -> Result<Option<Known>> {
         let Ok(truth) = truths.at(*hertz) else { return Ok(None) };
         let accuracy = match truth.reference {
@@ -35,6 +35,3 @@ pub(crate) fn of_scene(scene: &Scene, largest: usize) -> Result<Vec<Option<Known
     };
     scene.frequencies().as_slice().par_iter().map(known).collect()
 }
-
-/// Harmonics of orbits that solutions are compared with.
-const HIGHEST: usize = 4096;

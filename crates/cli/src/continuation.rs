@@ -7,6 +7,7 @@ use std::sync::atomic::Ordering;
 use scene::{Along, ContinuationOptions, CurveOutcome, CurveOutcomePoint, Scene, Variants};
 
 use crate::arguments::{ContinueArguments, TableFormat, in_file};
+use crate::check::count;
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
 use crate::output::{self, Output};
@@ -38,11 +39,18 @@ pub fn run(arguments: &ContinueArguments) -> Result<Ending, Failure> {
         TableFormat::Json => scene::write_json(out, &curve),
         TableFormat::Csv => csv(&curve, out),
     })?;
-    if !curve.reason.is_empty() && format != TableFormat::Text {
-        say(format_args!("note: {}", ended(&curve)));
+    if format != TableFormat::Text {
+        for note in &curve.notes {
+            say(format_args!("note: {note}"));
+        }
+        if !curve.reason.is_empty() {
+            say(format_args!("note: {}", ended(&curve)));
+        }
     }
-    if let Some(figure) = figure {
-        figure::curve(figure, &curve)?;
+    match figure {
+        Some(_) if curve.points.is_empty() => say(format_args!("note: without a point there is no picture")),
+        Some(figure) => figure::curve(figure, &curve)?,
+        None => {}
     }
     Ok(match curve.end {
         "reached" => Ending::Done,
@@ -70,6 +78,12 @@ fn course<'a>(
         return Ok((Along::Frequency, (from, to)));
     };
     let now = variants.number(pointer).map_err(|why| Failure::input(format!("--along {pointer}: {why}")))?;
+    if !FOLLOWED.iter().any(|part| pointer.starts_with(part)) {
+        return Err(Failure::input(format!(
+            "--along {pointer}: the motion at one frequency is no curve over it; name an entry of the model, the \
+             excitation or a contact"
+        )));
+    }
     let frequency = match (arguments.at, listed) {
         (Some(hertz), _) => hertz,
         (None, [hertz]) => *hertz,
@@ -85,8 +99,17 @@ fn course<'a>(
             "--along: where to? {pointer} is {from}; name another value with --to"
         )));
     };
+    // What lies between them is tried as well: entries that must be whole numbers have no curve.
+    for value in [from, to, from + 0.382 * (to - from)] {
+        let with = || format!("--along: with {pointer} = {value}");
+        let scene = variants.scene(&[(pointer, value)]).and_then(|scene| scene.prepare().map(|_| ()));
+        scene.map_err(|error| Failure::Input(anyhow::Error::new(error).context(with())))?;
+    }
     Ok((Along::Entry { pointer, frequency }, (from, to)))
 }
+
+/// The parts of a scene on which the motion at one frequency depends without jumps.
+const FOLLOWED: [&str; 3] = ["/model/", "/excitation/", "/contacts/"];
 
 fn csv(curve: &CurveOutcome, out: &mut dyn io::Write) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
@@ -108,10 +131,10 @@ fn csv(curve: &CurveOutcome, out: &mut dyn io::Write) -> io::Result<()> {
 fn text(curve: &CurveOutcome) -> String {
     let mut text = String::new();
     let (first, last) = (curve.points.first(), curve.points.last());
-    let unit = if curve.parameter == "frequency" { " Hz" } else { "" };
     let harmonics = first.map_or(0, |point| point.point.harmonics);
     let ends = first.zip(last).map_or("no point".into(), |(first, last)| {
-        format!("{} points from {} to {}{unit}", curve.points.len(), first.parameter, last.parameter)
+        let ends = [first, last].map(|point| place(curve, point.parameter));
+        format!("{} from {} to {}", count(curve.points.len(), "point", "points"), ends[0], ends[1])
     });
     // Writing to a String cannot fail.
     let _ = writeln!(text, "{} along {}: {ends}, N = {harmonics}", curve.scene, curve.parameter);
@@ -124,26 +147,40 @@ fn text(curve: &CurveOutcome) -> String {
         each.collect::<Vec<_>>().join(", ")
     };
     for point in curve.points.iter().filter(|point| point.fold) {
-        let _ = writeln!(text, "fold at {:.6}{unit}: {}", point.parameter, amplitudes(point));
+        let _ = writeln!(text, "fold at {}: {}", place(curve, point.parameter), amplitudes(point));
     }
     for point in &curve.points {
         for name in &point.peaks {
             let dof = curve.dofs.iter().position(|dof| dof == name);
             if let Some(amplitude) = dof.and_then(|dof| curve.amplitude(dof, point)) {
-                let _ = writeln!(text, "peak of {name} at {:.6}{unit}: {amplitude:.5e} m", point.parameter);
+                let at = place(curve, point.parameter);
+                let _ = writeln!(text, "peak of {name} at {at}: {amplitude:.5e} m");
             }
         }
     }
     if !curve.reason.is_empty() {
         let _ = writeln!(text, "{}", ended(curve));
     }
+    for note in &curve.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
     let _ = writeln!(text, "time: {}", duration(curve.solve_s));
     text
 }
 
+/// A place on the curve for readers, to eight digits.
+fn place(curve: &CurveOutcome, parameter: f64) -> String {
+    let unit = if curve.parameter == "frequency" { " Hz" } else { "" };
+    let rounded: f64 = format!("{parameter:.7e}").parse().unwrap_or(parameter);
+    match rounded.abs() {
+        0.0 | 1e-3..1e7 => format!("{rounded}{unit}"),
+        _ => format!("{rounded:e}{unit}"),
+    }
+}
+
 fn ended(curve: &CurveOutcome) -> String {
     match curve.points.last() {
-        Some(last) => format!("the curve ends at {}: {}", last.parameter, curve.reason),
+        Some(last) => format!("the curve ends at {}: {}", place(curve, last.parameter), curve.reason),
         None => format!("there is no curve: {}", curve.reason),
     }
 }

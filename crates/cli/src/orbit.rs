@@ -1,7 +1,7 @@
 //! `stickslip orbit`: the exact periodic motion at one frequency.
 
 use std::fmt::Write as _;
-use std::io::{self, IsTerminal};
+use std::io;
 
 use num_complex::Complex64;
 use orbit::{EventKind, Orbit, OrbitError};
@@ -9,7 +9,7 @@ use scene::{Named, Scene, Spectrum};
 use serde::Serialize;
 use study::Truths;
 
-use crate::arguments::{OrbitArguments, TextFormat, in_file, read_scene};
+use crate::arguments::{OrbitArguments, TableFormat, TextFormat, in_file, read_scene};
 use crate::check::count;
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
@@ -17,12 +17,11 @@ use crate::output::{self, Output};
 
 /// Looks for the orbit and writes what was asked for.
 pub fn run(arguments: &OrbitArguments) -> Result<Ending, Failure> {
+    let format = form(arguments)?;
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
     output::distinct(&arguments.scene, &[&arguments.output, &arguments.waveform, &arguments.plot])?;
     let scene = read_scene(&arguments.scene)?;
     let truths = Truths::new(&scene, START).map_err(|error| in_file(&arguments.scene, error))?;
-    let text = arguments.output.is_none() && io::stdout().is_terminal();
-    let format = arguments.format.unwrap_or(if text { TextFormat::Text } else { TextFormat::Json });
     let answer = Output::open(arguments.output.as_deref())?;
     let period = arguments.waveform.as_deref().map(|path| Output::open(Some(path))).transpose()?;
 
@@ -46,6 +45,20 @@ pub fn run(arguments: &OrbitArguments) -> Result<Ending, Failure> {
         figure::orbit(figure, &motion)?;
     }
     Ok(Ending::Done)
+}
+
+/// The form of the answer: what was asked for, else by its file's name, as of answers that are tables as well.
+fn form(arguments: &OrbitArguments) -> Result<TextFormat, Failure> {
+    if let Some(format) = arguments.format {
+        return Ok(format);
+    }
+    match output::table_format(None, arguments.output.as_deref())? {
+        TableFormat::Text => Ok(TextFormat::Text),
+        TableFormat::Json => Ok(TextFormat::Json),
+        TableFormat::Csv => Err(Failure::input(
+            "-o: an orbit is no table; name the file .json or .txt, or write its motion with --waveform FILE.csv",
+        )),
+    }
 }
 
 /// Whether the scene has no orbit at any frequency.

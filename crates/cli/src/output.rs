@@ -50,12 +50,16 @@ impl Output {
         if let Some(permissions) = permissions {
             builder.permissions(permissions);
         }
-        let file = builder.tempfile_in(folder).map_err(|error| unwritable(&path, reason(&error)))?;
+        let file = builder.tempfile_in(folder).map_err(|error| match folder.is_dir() {
+            true => unwritable(&path, reason(&error)),
+            false => unwritable(&path, format!("there is no folder {}", folder.display())),
+        })?;
         Ok(Self::Beside { file, path })
     }
 
     /// Writes the result with `write`.
     pub fn write(self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+        let write = |out: &mut dyn Write| write(out).map_err(bare);
         match self {
             Self::Stdout => {
                 let mut out = BufWriter::new(io::stdout().lock());
@@ -130,6 +134,17 @@ pub fn full_format(path: &Path) -> Result<Format, Failure> {
             "-o {}: no format is called .{other}; name the file .json or .csv, or add --format json",
             path.display()
         ))),
+    }
+}
+
+/// The system's error without the wrapping of the writer of tables, which hides that a pipe is closed.
+fn bare(error: io::Error) -> io::Error {
+    match error.downcast::<csv::Error>() {
+        Ok(table) => match table.into_kind() {
+            csv::ErrorKind::Io(error) => error,
+            other => io::Error::other(format!("{other:?}")),
+        },
+        Err(error) => error,
     }
 }
 

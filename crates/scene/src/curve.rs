@@ -6,6 +6,7 @@ use hbm::{ContinuationOptions, CurveEnd, CurvePoint};
 use serde::Serialize;
 
 use crate::error::SceneError;
+use crate::notes;
 use crate::outcome::{Names, Point};
 use crate::scene::Scene;
 use crate::variants::Variants;
@@ -41,6 +42,8 @@ pub struct CurveOutcome {
     pub end: &'static str,
     /// The same in words; empty when the end was reached.
     pub reason: &'static str,
+    /// What a user should know beyond the numbers.
+    pub notes: Vec<String>,
     /// In the order of the curve.
     pub points: Vec<CurveOutcomePoint>,
     /// Time in s.
@@ -75,9 +78,10 @@ impl CurveOutcome {
 fn words(end: CurveEnd) -> (&'static str, &'static str) {
     match end {
         CurveEnd::Reached => ("reached", ""),
-        CurveEnd::Returned => {
-            ("returned", "the curve came back to where it began; begin at the other end to see the rest")
-        }
+        CurveEnd::Returned => (
+            "returned",
+            "the curve came back to where it began; begin further out, or at the other end, to see the rest",
+        ),
         CurveEnd::NoStart => ("no start", "no solution was found where the curve begins; begin elsewhere"),
         CurveEnd::Lost => ("lost", "the shortest step found no further point"),
         CurveEnd::Rest => (
@@ -125,16 +129,21 @@ impl Scene {
             point: names.point(&point.solution, false),
         };
         let (end, reason) = words(curve.end);
+        let (parameter, unit) = match along {
+            Along::Frequency => ("frequency".to_owned(), " Hz".to_owned()),
+            Along::Entry { pointer, .. } => (pointer.to_owned(), format!(" of {pointer}")),
+        };
+        let places: Vec<_> = curve.points.iter().map(|point| (point.parameter, &point.solution)).collect();
+        let mut notes = self.notes.clone();
+        notes.extend(notes::extrapolated(self, &places, &unit));
         Ok(CurveOutcome {
             format_version: 1,
             scene: self.name.clone(),
             units: "SI, Hz, rad",
-            parameter: match along {
-                Along::Frequency => "frequency".into(),
-                Along::Entry { pointer, .. } => pointer.into(),
-            },
+            parameter,
             end,
             reason,
+            notes,
             points: curve.points.iter().map(point).collect(),
             dofs,
             solve_s: began.elapsed().as_secs_f64(),

@@ -7,15 +7,8 @@ use crate::scene::Scene;
 /// Notes on the scene's data and on its solutions.
 pub(crate) fn all(scene: &Scene, solutions: &[Solution]) -> Vec<String> {
     let mut notes = scene.notes.clone();
-    for (i, name) in scene.contacts().enumerate() {
-        let left =
-            |solution: &&Solution| solution.contacts.get(i).is_some_and(|contact| contact.extrapolated);
-        if let Some(note) = span(solutions.iter().filter(left)) {
-            notes.push(format!(
-                "contact {name:?} moves further than its loop was measured at {note}; the law is extrapolated there"
-            ));
-        }
-    }
+    let places: Vec<(f64, &Solution)> = solutions.iter().map(|s| (s.frequency, s)).collect();
+    notes.extend(extrapolated(scene, &places, " Hz"));
     let several = solutions.iter().filter(|solution| solution.solutions.is_some_and(|count| count > 1));
     if let Some(note) = span(several) {
         notes.push(format!(
@@ -38,18 +31,34 @@ pub(crate) fn all(scene: &Scene, solutions: &[Solution]) -> Vec<String> {
     notes
 }
 
-/// "3 points between 40 and 42 Hz".
+/// Notes on contacts that leave what was measured, at places with a unit behind them.
+pub(crate) fn extrapolated(scene: &Scene, places: &[(f64, &Solution)], unit: &str) -> Vec<String> {
+    let note = |(i, name): (usize, &str)| {
+        let left = |solution: &Solution| solution.contacts.get(i).is_some_and(|contact| contact.extrapolated);
+        let places = places.iter().filter(|(_, solution)| left(solution)).map(|(place, _)| *place).collect();
+        let places = range(places, unit)?;
+        Some(format!(
+            "contact {name:?} moves further than its loop was measured at {places}; the law is extrapolated there"
+        ))
+    };
+    scene.contacts().enumerate().filter_map(note).collect()
+}
+
 fn span<'a>(solutions: impl Iterator<Item = &'a Solution>) -> Option<String> {
-    let frequencies: Vec<f64> = solutions.map(|solution| solution.frequency).collect();
-    let least = frequencies.iter().copied().reduce(f64::min)?;
-    let most = frequencies.iter().copied().reduce(f64::max)?;
-    Some(match frequencies.len() {
-        1 => format!("{} Hz", short(least)),
-        count => format!("{count} points between {} and {} Hz", short(least), short(most)),
+    range(solutions.map(|solution| solution.frequency).collect(), " Hz")
+}
+
+/// "3 points between 40 and 42 Hz".
+fn range(places: Vec<f64>, unit: &str) -> Option<String> {
+    let least = places.iter().copied().reduce(f64::min)?;
+    let most = places.iter().copied().reduce(f64::max)?;
+    Some(match places.len() {
+        1 => format!("{}{unit}", short(least)),
+        count => format!("{count} points between {} and {}{unit}", short(least), short(most)),
     })
 }
 
-/// A frequency to seven digits, without the noise of its last ones.
+/// A number to seven digits, without the noise of its last ones.
 fn short(frequency: f64) -> f64 {
     format!("{frequency:.6e}").parse().unwrap_or(frequency)
 }

@@ -81,10 +81,12 @@ impl Study {
         };
         let variants = Variants::from_file(&path).map_err(in_scene)?;
         for axis in &wishes.axes {
-            let place = format!("vary.{}", axis.pointer);
-            variants
-                .number(&axis.pointer)
-                .map_err(|problem| StudyError::Study(SceneError::entry(&place, problem)))?;
+            let refused =
+                |problem| StudyError::Study(SceneError::entry(&format!("vary.{}", axis.pointer), problem));
+            variants.number(&axis.pointer).map_err(refused)?;
+            if let Some(problem) = wishes.overrides(&axis.pointer) {
+                return Err(refused(problem));
+            }
         }
         let mut study = Self {
             name: wishes.name.unwrap_or_else(|| name.to_owned()),
@@ -273,6 +275,23 @@ struct Wishes {
 }
 
 impl Wishes {
+    /// Why an entry of the scene cannot be varied: the study decides it, and the values would do nothing.
+    fn overrides(&self, pointer: &str) -> Option<String> {
+        let within = |part: &str| {
+            pointer.strip_prefix(part).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        if within("/harmonics") {
+            Some("is not varied here; write \"harmonics\": [1, 3, 7] beside \"vary\"".into())
+        } else if within("/frequencies") && self.frequencies.is_some() {
+            Some(
+                "would change nothing: the study has \"frequencies\" of its own; leave one of them out"
+                    .into(),
+            )
+        } else {
+            None
+        }
+    }
+
     fn read(entries: &Object) -> Result<Self, SceneError> {
         let vary = entries
             .need("vary", "{\"/excitation/0/amplitude\": {\"from\": 1, \"to\": 10, \"points\": 10}}")?;

@@ -18,7 +18,8 @@ const NEWTON: Pen = Pen { color: "#5b8db8", width: 1.1, dash: Some("1.5 2"), dot
 const ADAPTIVE: Pen = Pen { color: "#c2410c", width: 1.4, dash: Some("5 2.2"), dot: None };
 const STEPPING: Pen = Pen { color: "#4d7c0f", width: 1.3, dash: Some("6 2 1.5 2"), dot: None };
 const ORBIT: Pen = Pen { color: "#000000", width: 1.0, dash: None, dot: Some(3.2) };
-const ORBIT_BESIDE: Pen = Pen { color: "#b91c9b", width: 1.0, dash: None, dot: Some(3.2) };
+/// An orbit is drawn where it counts as closed.
+const CLOSED: f64 = 1e-12;
 /// 64, 256, 1024, 4096 samples.
 const SAMPLED: [(usize, &str, Pen); 4] = [
     (64, "64 samples", Pen { color: "#c9c9c9", width: 1.1, dash: None, dot: None }),
@@ -53,7 +54,10 @@ pub(super) fn write(root: &Path, data: &Data) -> Result<()> {
 
 /// Error that is drawn: the median of the points.
 fn error(measurement: &Measurement) -> Option<f64> {
-    measurement.median_error.filter(|error| *error > ROUNDING)
+    match measurement.method {
+        Method::Orbit | Method::OrbitFromBalance { .. } => measurement.median_error.map(|e| e.max(CLOSED)),
+        _ => measurement.median_error.filter(|error| *error > ROUNDING),
+    }
 }
 
 /// A line through the settings of a method and a dot at each.
@@ -83,12 +87,11 @@ fn over_time(set: &WorkPrecisionSet) -> Option<String> {
             curves.extend(drawn(name, pen, &is));
         }
         curves.extend(drawn("time steps", STEPPING, &|m| matches!(m, Method::Stepping { .. })));
-        curves.extend(drawn("without tail", NEWTON, &|m| matches!(m, Method::WithoutTail { .. })));
+        curves.extend(drawn("no tail", NEWTON, &|m| matches!(m, Method::WithoutTail { .. })));
         curves.extend(drawn("adaptive", ADAPTIVE, &|m| matches!(m, Method::Adaptive { .. })));
         curves.extend(drawn("balance", BALANCE, &|m| matches!(m, Method::Balance { .. })));
-        curves.extend(drawn("orbit from rest", ORBIT, &|m| matches!(m, Method::Orbit)));
-        let beside = |m: &Method| matches!(m, Method::OrbitFromBalance { .. });
-        curves.extend(drawn("orbit from balance", ORBIT_BESIDE, &beside));
+        let orbit = |m: &Method| matches!(m, Method::OrbitFromBalance { .. });
+        curves.extend(drawn("orbit", ORBIT, &orbit));
         // Numbers below the last panel of each column.
         chart(scene.to_owned(), x.clone(), y.clone(), curves, i + 3 >= count)
     };

@@ -6,11 +6,11 @@ use scene::Scene;
 use study::work_precision::Method;
 
 /// A setting whose points together take longer than this, in s, is the last of its series.
-pub(super) const LONGEST: f64 = 3.0;
+pub(super) const LONGEST: f64 = 2.0;
 
-/// N of sampled forces; N where no truth is exact.
+/// N of sampled forces on request; N where no truth is exact.
 const FEW: [usize; 7] = [1, 3, 7, 15, 31, 63, 127];
-/// N of forces by events.
+/// N where the truth is exact.
 const MANY: [usize; 10] = [1, 3, 7, 15, 31, 63, 127, 255, 511, 1023];
 /// N without a tail.
 const NEWTON: [usize; 8] = [1, 3, 7, 15, 31, 63, 127, 255];
@@ -27,7 +27,7 @@ pub(super) fn series(scene: &Scene, exact: bool) -> Vec<Vec<Method>> {
     let by_events = Plan::new(problem, &Settings::new(7)).is_ok_and(|plan| plan.facts().samples == 0);
     let followed = problem.contacts.iter().all(|c| !matches!(c.law.mechanism(), Mechanism::None { .. }));
     let some = |all: &[usize]| all.iter().copied().filter(move |n| *n >= lowest).collect::<Vec<_>>();
-    let most = if exact && by_events { &MANY[..] } else { &FEW[..] };
+    let most = if exact { &MANY[..] } else { &FEW[..] };
     let mut series = vec![some(most).into_iter().map(|harmonics| Method::Balance { harmonics }).collect()];
     if by_events {
         series.push(some(&NEWTON).into_iter().map(|harmonics| Method::WithoutTail { harmonics }).collect());
@@ -37,7 +37,7 @@ pub(super) fn series(scene: &Scene, exact: bool) -> Vec<Vec<Method>> {
         let counts = some(&FEW).into_iter().filter(fits);
         series.push(counts.map(|harmonics| Method::Sampled { harmonics, samples }).collect());
     }
-    let most = if exact && by_events { 1023 } else { 127 };
+    let most = if exact { 1023 } else { 127 };
     series.push(TOLERANCES.iter().map(|&tolerance| Method::Adaptive { tolerance, most }).collect());
     if followed {
         series.push(STEPS.iter().map(|&steps| Method::Stepping { steps }).collect());

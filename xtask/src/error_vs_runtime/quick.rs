@@ -19,7 +19,7 @@ const ONCE: Patience = Patience { least: 1, most: 1, enough: 0.0, longest: 0.0 }
 /// Fails when an error is out of order, or the page is not that of the committed data.
 pub(super) fn check(root: &Path) -> Result<()> {
     for scene in library::scenes(root)?.iter().filter(|scene| SCENES.contains(&scene.name())) {
-        let known = truths::of_scene(scene, 63)?;
+        let known = truths::of_scene(scene, 63, 0)?;
         let truths: Vec<_> = known.into_iter().flatten().map(|known| known.truth).collect();
         ensure!(
             truths.len() == scene.frequencies().as_slice().len(),

@@ -74,7 +74,7 @@ pub struct OrbitArguments {
     /// Harmonics of the spectrum that is reported
     #[arg(long, value_name = "K", default_value = "31", value_parser = clap::value_parser!(u16).range(1..=4095))]
     pub harmonics: u16,
-    /// Form of the answer [default: text to a terminal, else json]
+    /// Form of the answer [default: by the extension of -o, text to a terminal, else json]
     #[arg(long, value_enum)]
     pub format: Option<TextFormat>,
     /// Write the answer to FILE, whole or not at all
@@ -95,9 +95,18 @@ fn hertz(text: &str) -> Result<f64, String> {
     }
 }
 
+fn number(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if f64::is_finite(number) => Ok(number),
+        _ => Err("must be a finite number".into()),
+    }
+}
+
 pub const CONTINUE: &str = "\
 The curve begins with the solution that a sweep reports at --from and is followed by its arc length, so it turns at folds \
-instead of jumping, and passes every resonance. Folds and peaks are refined.
+instead of jumping, and passes every resonance. Folds and peaks are refined. All points have the same harmonics: with \
+TOLERANCE:MAX these are MAX. Of --frequencies only the range counts. The exit code is 1 when the curve ends before --to; \
+the points so far are written.
 
 Examples:
   stickslip continue cubic.json                                   the range of the scene's frequencies
@@ -111,10 +120,10 @@ pub struct ContinueArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Where the curve begins [default: the scene's lowest frequency, or the entry's value]
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = number, allow_negative_numbers = true)]
     pub from: Option<f64>,
     /// Where it ends [default: the scene's highest frequency]
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = number, allow_negative_numbers = true)]
     pub to: Option<f64>,
     /// Follow a number of the scene (a JSON pointer) instead of the frequency
     #[arg(long, value_name = "/excitation/0/amplitude")]

@@ -10,7 +10,7 @@ use crate::error::StudyError;
 use crate::start;
 use crate::stepping::{Stepped, SteppingSettings, step_until_periodic};
 use crate::system::system;
-use crate::truth::Truth;
+use crate::truth::{TrueDof, Truth};
 
 /// Relative difference of two periods at which time stepping ends, and the most periods it may take.
 const REPEATS: f64 = 1e-9;
@@ -132,16 +132,19 @@ fn stepping(
     blank.judged(errors.collect(), timed)
 }
 
-/// Harmonics of an orbit that are compared with the truth.
-const COMPARED: usize = 512;
+/// Harmonics of an orbit that are compared with the truth, itself an orbit: what lies beyond is no truncation.
+const COMPARED: usize = 128;
 
 fn orbit_errors(scene: &Scene, truths: &[Truth], orbits: &[Option<Orbit>]) -> Vec<f64> {
-    let one = |(truth, orbit): (&Truth, &Option<Orbit>)| match orbit {
-        None => f64::INFINITY,
-        Some(orbit) => error(scene, truth, |dof| {
-            let known = truth.dofs.first().map_or(0, |dof| dof.spectrum.len().saturating_sub(1));
-            orbit.spectrum(dof, known.max(COMPARED))
-        }),
+    let one = |(truth, orbit): (&Truth, &Option<Orbit>)| {
+        let Some(orbit) = orbit else { return f64::INFINITY };
+        let dofs = scene.problem().output.iter().zip(&truth.dofs);
+        let error = |(dof, known): (&usize, &TrueDof)| {
+            let found = orbit.spectrum(*dof, COMPARED);
+            let square: f64 = found.iter().zip(&known.spectrum).map(|(a, b)| (a - b).norm_sqr()).sum();
+            if known.norm > 0.0 { square.sqrt() / known.norm } else { 0.0 }
+        };
+        dofs.map(error).fold(0.0, f64::max)
     };
     truths.iter().zip(orbits).map(one).collect()
 }
