@@ -198,3 +198,11 @@ fn a_contact_that_could_rest_slides_on() {
     let (a, b) = (curve.points[0].solution.displacement[0][0], solution.displacement[0][0]);
     assert!((a - b).norm() < 1e-9 * b.norm());
 }
+
+/// A structure without contacts has a curve as well.
+#[test]
+fn a_linear_structure_has_a_curve() {
+    let problem = Problem { contacts: Vec::new(), ..scene_r() };
+    let curve = curve(&problem, 1, 10.0, 150.0);
+    assert_eq!((curve.end, curve.points.iter().filter(|p| p.peaks == [1]).count()), (CurveEnd::Reached, 2));
+}

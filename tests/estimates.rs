@@ -178,3 +178,28 @@ fn harmonics_that_cannot_be_taken_are_not_taken() {
     let change = (solution.displacement[0][0] - expected.displacement[0][0]).norm();
     assert!(change < 1e-12 * expected.displacement[0][0].norm());
 }
+
+/// Without output dofs it is the contacts that are looked at.
+#[test]
+fn no_outputs_are_no_excuse() {
+    let problem = Problem { output: Vec::new(), ..scene_r() };
+    let plan = Plan::new(&problem, &estimating(7)).unwrap();
+    let problem = Problem { output: vec![0], ..scene_r() };
+    let with = Plan::new(&problem, &estimating(7)).unwrap();
+    let estimate = |plan: &Plan| plan.solve(75.0, &mut plan.workspace()).truncation_error;
+    assert_eq!(estimate(&plan), estimate(&with));
+}
+
+/// Beside a contact at rest nothing is estimated: such a point takes all harmonics.
+#[test]
+fn beside_a_contact_at_rest_all_harmonics_are_taken() {
+    let mut problem = paper_scene();
+    let contact = to_ground(elastic_coulomb(3e5, 0.75));
+    problem.contacts.push(hbm::Contact { first: 1, ..contact });
+    problem.excitation[0].amplitude = 1.0;
+    let plan = Plan::new(&problem, &Settings { truncation: Some(1e-3), ..Settings::new(31) }).unwrap();
+    let fixed = Plan::new(&problem, &Settings::new(31)).unwrap();
+    let solution = plan.solve(300.0, &mut plan.workspace());
+    assert_eq!((solution.status, solution.harmonics), (Status::Stuck, 31));
+    assert_eq!(solution.displacement, fixed.solve(300.0, &mut fixed.workspace()).displacement);
+}

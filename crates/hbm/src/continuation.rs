@@ -325,7 +325,8 @@ impl<'c> Tracer<'c> {
             &self.ws.unknowns,
             &mut self.ws.balance[goal],
         );
-        Some(norm.ok()? / self.ws.point.excitation_norm(slots))
+        let reference = self.ws.point.excitation_norm(slots);
+        Some(norm.ok()? / if reference > 0.0 { reference } else { 1.0 })
     }
 
     /// Factors the bordered derivative at the place evaluated last; `border` is its last row.

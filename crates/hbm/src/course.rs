@@ -314,3 +314,79 @@ impl Course for HomotopyCourse<'_> {
         f64::INFINITY
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use contact::{Coulomb, CoulombParameters, ElasticCoulomb, ElasticCoulombParameters, Law};
+    use faer::{Mat, mat};
+
+    use super::*;
+    use crate::{Contact, Damping, Excitation, ExcitationKind, Model};
+
+    /// At a solution the slope in the frequency is what central differences show: for every kind of excitation, forces
+    /// that depend on the velocity, and springs lent to a free body for its mean.
+    #[test]
+    fn the_slope_in_the_frequency_agrees_with_differences() {
+        let jenkins: Arc<dyn Law> = Arc::new(
+            ElasticCoulomb::new(ElasticCoulombParameters { stiffness: 2e5, slip_force: 4.0 }).unwrap(),
+        );
+        let creeping: Arc<dyn Law> =
+            Arc::new(Coulomb::new(CoulombParameters { slip_force: 2.0, velocity: 0.2 }).unwrap());
+        let spring: Arc<dyn Law> =
+            Arc::new(contact::Cubic::new(contact::CubicParameters { stiffness: 1e12 }).unwrap());
+        let kinds = [ExcitationKind::Force, ExcitationKind::Base, ExcitationKind::Unbalance];
+        for (kind, ground, harmonic) in kinds.into_iter().flat_map(|kind| [(kind, 0.0, 1), (kind, 3e5, 2)]) {
+            let contact = |first, second, law: &Arc<dyn Law>| Contact {
+                name: "c".into(),
+                first,
+                second,
+                law: law.clone(),
+                scale: 1.5,
+            };
+            let amplitude = if kind == ExcitationKind::Unbalance { 2e-4 } else { 20.0 };
+            let excitation = Excitation { dof: 1, harmonic: 1, amplitude, phase: 0.3, kind };
+            let problem = Problem {
+                model: Model::new(
+                    mat![[2.0, 0.0], [0.0, 1.0]],
+                    Damping::Rayleigh { mass: 8.0, stiffness: 1e-5 },
+                    mat![[2e5 + ground, -2e5], [-2e5, 2e5]],
+                )
+                .unwrap(),
+                excitation: vec![
+                    excitation,
+                    Excitation { harmonic, amplitude: 0.3 * amplitude, dof: 0, ..excitation },
+                ],
+                contacts: vec![
+                    contact(0, None, &jenkins),
+                    contact(1, Some(0), &creeping),
+                    contact(1, None, &spring),
+                ],
+                output: vec![0],
+            };
+            let course = FrequencyCourse::new(&problem, &Settings::new(6)).unwrap();
+            let (plan, hertz) = (&course.plan, 47.0);
+            let mut ws = plan.workspace();
+            assert!(plan.solve(hertz, &mut ws).status.solved());
+            let entries = plan.slots() * ws.point.width();
+            let mut slope = vec![c64::ZERO; entries];
+            assert!(plan.place(hertz, &mut ws) && plan.evaluate_again(&mut ws));
+            assert!(plan.frequency_slope(hertz, &mut ws, &mut slope));
+            let step = 1e-4;
+            let mut sides = Mat::zeros(entries, 2);
+            for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+                assert!(plan.place(hertz + sign * step, &mut ws) && plan.evaluate_again(&mut ws));
+                for entry in 0..entries {
+                    sides[(entry, side)] = ws.balance[ws.goal].residual[entry];
+                }
+            }
+            let size = slope.iter().map(|s| s.norm()).fold(0.0, f64::max);
+            for (entry, slope) in slope.iter().enumerate() {
+                let difference: c64 = (sides[(entry, 0)] - sides[(entry, 1)]) / (2.0 * step);
+                let error = (slope - difference).norm();
+                assert!(error < 1e-6 * size, "{kind:?} {ground}, entry {entry}: {slope} for {difference}");
+            }
+        }
+    }
+}

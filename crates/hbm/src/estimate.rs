@@ -162,10 +162,15 @@ impl Plan {
     }
 
     /// Displacements of the output dofs in m, entry `[o][slot]`, of the motion and the forces last evaluated in `rung`;
-    /// no contact is held.
+    /// without any output dofs those of the contacts. No contact is held.
     fn outputs(&self, rung: usize, rows: &mut Vec<c64>, ws: &Workspace) {
         let (slots, width, outputs) = (self.rungs[rung].slots, ws.point.width(), ws.condensed.outputs);
         rows.clear();
+        if outputs == 0 {
+            let of =
+                |c: usize| (0..slots).map(move |slot| ws.unknowns[slot * width + c] * ws.point.length[c]);
+            rows.extend((0..width).flat_map(of));
+        }
         for o in 0..outputs {
             for slot in 0..slots {
                 rows.push(match self.structure.path_to_ground(o) {

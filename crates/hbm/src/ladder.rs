@@ -20,6 +20,9 @@ const PERTURBED_STARTS: usize = 8;
 /// Steps a homotopy may take, failed ones included.
 const HOMOTOPY_STEPS: usize = 400;
 
+/// Complex unknowns that a homotopy along the arc may have.
+const ARC_ENTRIES: usize = 64;
+
 /// The excitation homotopy begins where friction is a small part of the excitation.
 const LARGE_EXCITATION: f64 = 100.0;
 
@@ -268,9 +271,24 @@ impl Plan {
         self.follow(0.0, 1.0, 0.1, |s| Homotopy { contact: s * s, ..Homotopy::NONE }, ws)
     }
 
-    /// The same along the arc: where the homotopy folds, the curve turns back and comes again. From contacts replaced by
-    /// secant stiffnesses, and from none.
+    /// The same along the arc, with few harmonics, and up the ladder from there: the whole derivative is factored at
+    /// every point of the arc, which many harmonics cannot afford.
     fn arclength_homotopy(&self, ws: &mut Workspace) -> Outcome {
+        let (goal, width) = (ws.goal, ws.point.width());
+        let few = |rung: &Rung| rung.slots * width <= ARC_ENTRIES;
+        let low = self.rungs[..=goal].iter().rposition(few).unwrap_or(0);
+        ws.goal = low;
+        let mut outcome = self.homotopy_arcs(ws);
+        ws.goal = goal;
+        if outcome.converged && low < goal {
+            outcome = self.climb(low + 1, ws);
+        }
+        outcome
+    }
+
+    /// Where a homotopy folds, the curve turns back and comes again. From contacts replaced by secant stiffnesses, and
+    /// from none.
+    fn homotopy_arcs(&self, ws: &mut Workspace) -> Outcome {
         let slots = self.rungs[ws.goal].slots;
         let count = slots * ws.point.width();
         let from_secant = |s: f64| Homotopy { secant: 1.0 - s, ..Homotopy::NONE };

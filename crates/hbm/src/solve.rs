@@ -30,7 +30,7 @@ impl Plan {
     }
 
     /// As [`Plan::solve`], into a solution whose memory is reused: nothing is allocated once the buffers have grown,
-    /// unless other solutions are asked for.
+    /// unless other solutions are asked for, a contact with a set-valued law may be at rest, or the ladder fails.
     pub fn solve_into(&self, frequency: f64, ws: &mut Workspace, solution: &mut Solution) {
         ws.has_previous = false;
         self.solve_next(frequency, ws, solution);
