@@ -26,6 +26,10 @@ pub(crate) struct Criteria {
 /// Relative residual that is accepted where rounding allows no further descent.
 pub(crate) const FLOOR: f64 = 1e-9;
 
+/// So many rounding units of the terms of the balance, relative to the excitation, are accepted as well: they exceed it far at
+/// a resonance that nothing damps.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// A last step of this relative length leaves an error of its square: no further step is needed.
 const SHORT_STEP: f64 = 1e-6;
 
@@ -178,7 +182,7 @@ pub(crate) fn solve(
             // Rounding allows no further descent, or none exists in this direction. The buffers must end at the
             // point that is kept.
             let _ = balance.evaluate(point, *slots, *homotopy, unknowns, buffers);
-            let converged = residual <= criteria.tolerance.max(FLOOR);
+            let converged = residual <= criteria.tolerance.max(floor(task, unknowns, buffers, reference));
             return Outcome { converged, iterations: iteration + 1, residual, law_error };
         };
         unknowns[..count].copy_from_slice(&newton.trial[..count]);
@@ -189,10 +193,20 @@ pub(crate) fn solve(
     }
     let residual = relative(norm);
     Outcome {
-        converged: residual <= criteria.tolerance,
+        converged: residual <= criteria.tolerance.max(floor(task, unknowns, buffers, reference)),
         iterations: criteria.max_iterations,
         residual,
         law_error,
+    }
+}
+
+/// The relative residual that rounding leaves at the motion of the last evaluation.
+fn floor(task: &Task, unknowns: &[c64], buffers: &BalanceBuffers, reference: f64) -> f64 {
+    let Task { balance, point, slots, homotopy, .. } = task;
+    if reference > 0.0 {
+        FLOOR.max(ROUNDING * balance.terms(point, *slots, *homotopy, unknowns, buffers) / reference)
+    } else {
+        FLOOR
     }
 }
 
