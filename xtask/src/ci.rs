@@ -24,6 +24,9 @@ const EXAMPLE: &str = "run --release -- sweep scenes/hoffmann-2017.json";
 /// The paper's scenes, figures and numbers once more, in release: the libraries are built for the example already.
 const FIGURES: &str = "run --release -p xtask -- figures --check";
 
+/// Cases at the limits of every quantity.
+const EXTREME: &str = "run --release -p xtask -- extreme --quick";
+
 /// Runs all checks in the workspace at `root`; the first that fails ends the run.
 pub(crate) fn run(root: &Path) -> Result<()> {
     let start = Instant::now();
@@ -40,6 +43,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     cargo(root, TESTS, None, Stdio::inherit())?;
     example(root)?;
     cargo(root, FIGURES, None, Stdio::inherit())?;
+    cargo(root, EXTREME, None, Stdio::inherit())?;
     step(&format!("all checks passed in {:.0} s", start.elapsed().as_secs_f64()));
     Ok(())
 }

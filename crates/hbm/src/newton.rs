@@ -26,9 +26,12 @@ pub(crate) struct Criteria {
 /// Relative residual that is accepted where rounding allows no further descent.
 pub(crate) const FLOOR: f64 = 1e-9;
 
-/// So many rounding units of the terms of the balance, relative to the excitation, are accepted as well: they exceed it far at
-/// a resonance that nothing damps.
+/// So many rounding units of the terms of the balance are accepted as well, where these terms exceed the excitation far: near a
+/// resonance that nothing damps.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// No more than this is accepted of them: beyond, the balance says nothing about the excitation.
+const ROUNDED: f64 = 1e-7;
 
 /// A last step of this relative length leaves an error of its square: no further step is needed.
 const SHORT_STEP: f64 = 1e-6;
@@ -204,7 +207,8 @@ pub(crate) fn solve(
 fn floor(task: &Task, unknowns: &[c64], buffers: &BalanceBuffers, reference: f64) -> f64 {
     let Task { balance, point, slots, homotopy, .. } = task;
     if reference > 0.0 {
-        FLOOR.max(ROUNDING * balance.terms(point, *slots, *homotopy, unknowns, buffers) / reference)
+        let rounding = ROUNDING * balance.terms(point, *slots, *homotopy, unknowns, buffers) / reference;
+        rounding.clamp(FLOOR, ROUNDED)
     } else {
         FLOOR
     }
