@@ -26,6 +26,9 @@ const FIGURES: &str = "run --release -p xtask -- figures --check";
 /// Errors and their orders on a small part of the scene library, never times.
 const ERRORS: &str = "run --release -p xtask -- error-vs-runtime --quick";
 
+/// Cases at the limits of every quantity.
+const EXTREME: &str = "run --release -p xtask -- extreme --quick";
+
 /// Runs all checks in the workspace at `root`; the first that fails ends the run.
 pub(crate) fn run(root: &Path) -> Result<()> {
     let start = Instant::now();
@@ -43,6 +46,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     example(root)?;
     cargo(root, FIGURES, None, Stdio::inherit())?;
     cargo(root, ERRORS, None, Stdio::inherit())?;
+    cargo(root, EXTREME, None, Stdio::inherit())?;
     step(&format!("all checks passed in {:.0} s", start.elapsed().as_secs_f64()));
     Ok(())
 }

@@ -44,8 +44,8 @@ pub trait PiecewiseLinear {
     ) -> Result<Marks, LawError>;
 }
 
-/// So near a turning point, in rad, a way is measured from it without cancellation.
-const NEAR: f64 = 0.01;
+/// A way shorter than this part of the whole is measured from the turning point without cancellation.
+const SHORT: f64 = 1e-8;
 
 /// Phase at which the displacement has gone the way `rise` (with its sign) from one turning point to the next: Newton's method
 /// kept inside the bracket, started from the half cosine between the two.
@@ -56,7 +56,7 @@ pub(crate) fn crossing(spectrum: &[Complex64], start: TurningPoint, end: Turning
     let rising = end.displacement > start.displacement;
     for _ in 0..60 {
         let here = jet(spectrum, at);
-        let way = if at - start.tau < NEAR {
+        let way = if part < SHORT {
             -drop_from(spectrum, start.tau, at - start.tau)
         } else {
             here.displacement - start.displacement

@@ -28,9 +28,10 @@ impl Default for MagnitudeLaw {
 }
 
 impl MagnitudeLaw {
-    /// g(α).
+    /// g(α), as g(0) + slope · ln(1 + α/shift): where g(0) is the small difference of large numbers it is rounded once, the
+    /// same for every α.
     pub fn value(&self, alpha: f64) -> f64 {
-        self.offset + self.slope * (alpha + self.shift).ln()
+        self.offset + self.slope * self.shift.ln() + self.slope * (alpha / self.shift).ln_1p()
     }
 
     /// dg/dα.

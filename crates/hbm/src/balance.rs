@@ -163,6 +163,31 @@ impl Balance<'_> {
         if sum.is_finite() { Ok(sum.sqrt()) } else { Err(LawError::NotFinite) }
     }
 
+    /// Norm of the magnitudes of the residual's terms at the last evaluation: what its rounding is relative to.
+    pub(crate) fn terms(
+        &self,
+        point: &Point,
+        slots: usize,
+        homotopy: Homotopy,
+        unknowns: &[c64],
+        buffers: &BalanceBuffers,
+    ) -> f64 {
+        let width = point.width();
+        let row = |entry: usize| {
+            let slot = entry / width;
+            let pull: f64 = (0..width)
+                .map(|l| {
+                    let source = slot * width + l;
+                    let force = homotopy.contact * buffers.forces[source].norm();
+                    let lent = (point.lent[source] * unknowns[source]).norm();
+                    point.receptance[entry * width + l].norm() * (force + lent)
+                })
+                .sum();
+            (unknowns[entry].norm() + pull) * point.weight[entry]
+        };
+        (0..slots * width).map(|entry| row(entry).powi(2)).sum::<f64>().sqrt()
+    }
+
     /// Force harmonics of active contact `row`.
     fn contact_force(
         &self,

@@ -26,6 +26,13 @@ pub(crate) struct Criteria {
 /// Relative residual that is accepted where rounding allows no further descent.
 pub(crate) const FLOOR: f64 = 1e-9;
 
+/// So many rounding units of the terms of the balance are accepted as well, where these terms exceed the excitation far: near a
+/// resonance that nothing damps.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// No more than this is accepted of them: beyond, the balance says nothing about the excitation.
+const ROUNDED: f64 = 1e-7;
+
 /// A last step of this relative length leaves an error of its square: no further step is needed.
 const SHORT_STEP: f64 = 1e-6;
 
@@ -185,7 +192,7 @@ pub(crate) fn solve(
                 factored = false;
                 continue;
             }
-            let converged = residual <= criteria.tolerance.max(FLOOR);
+            let converged = residual <= criteria.tolerance.max(floor(task, unknowns, buffers, reference));
             return Outcome { converged, iterations: iteration + 1, residual, law_error };
         };
         unknowns[..count].copy_from_slice(&newton.trial[..count]);
@@ -196,10 +203,21 @@ pub(crate) fn solve(
     }
     let residual = relative(norm);
     Outcome {
-        converged: residual <= criteria.tolerance,
+        converged: residual <= criteria.tolerance.max(floor(task, unknowns, buffers, reference)),
         iterations: criteria.max_iterations,
         residual,
         law_error,
+    }
+}
+
+/// The relative residual that rounding leaves at the motion of the last evaluation.
+fn floor(task: &Task, unknowns: &[c64], buffers: &BalanceBuffers, reference: f64) -> f64 {
+    let Task { balance, point, slots, homotopy, .. } = task;
+    if reference > 0.0 {
+        let rounding = ROUNDING * balance.terms(point, *slots, *homotopy, unknowns, buffers) / reference;
+        rounding.clamp(FLOOR, ROUNDED)
+    } else {
+        FLOOR
     }
 }
 

@@ -129,7 +129,7 @@ fn integrals(piece: &ForcePiece, row: &mut [c64]) {
 
 /// Pieces shorter than this, in rad, are integrated by quadrature: at amplitudes so far above the slip displacement κ w and c
 /// would cancel.
-const BRIEF: f64 = 1e-3;
+const BRIEF: f64 = 1e-4;
 
 /// Up to this many radians of the highest wave the quadrature is exact to rounding.
 const RESOLVED: f64 = 0.5;

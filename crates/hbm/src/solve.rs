@@ -10,6 +10,9 @@ use crate::scalar::ScalarBalance;
 use crate::settings::Start;
 use crate::solution::{FailureReason, Solution, Stats, Status};
 
+/// A residual of the closed form, relative to the excitation, above which a root is not told from rounding.
+const UNRESOLVED: f64 = 1e-7;
+
 /// How the ladder above the solutions of the first harmonic ended.
 enum Climb {
     /// At least one solution is reported.
@@ -174,6 +177,11 @@ impl Plan {
         roots.sort_by(|a, b| b.total_cmp(a));
         let negative = roots.iter().copied().find(|a| balance.creates_energy(*a));
         roots.retain(|a| !balance.creates_energy(*a));
+        // Of a root so large that rounding hides the excitation nothing is known, unless there is no other.
+        let resolved = |a: &f64| balance.residual(*a) <= UNRESOLVED;
+        if roots.iter().any(resolved) {
+            roots.retain(resolved);
+        }
         let (mut reported, largest) = (false, roots.first().copied());
         for &a in roots.iter().take(if self.settings.all_solutions { usize::MAX } else { 1 }) {
             self.place_root(&balance, a, ws);

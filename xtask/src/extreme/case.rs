@@ -30,7 +30,7 @@ pub(super) enum Reason {
     HoldingShell,
     /// A record that is no loop.
     NoLoop,
-    /// A velocity law so steep that its samples form a staircase.
+    /// A law so steep against the way between samples that its harmonics form a staircase over the motion.
     Staircase,
     /// The magnitude law becomes negative in its range or beyond.
     NegativeMagnitude,

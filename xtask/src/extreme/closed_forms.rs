@@ -9,7 +9,8 @@ use super::motion::gauss;
 
 /// Eqs (6)–(9): `−F* g(α) e^{iψ_C(α)}`.
 pub(super) fn scaled_loop(alpha: f64, force: f64, g: &MagnitudeLaw, psi: &PhaseLaw) -> Complex64 {
-    let magnitude = g.offset + g.slope * (alpha + g.shift).ln();
+    // As the law states g: the rounding of g(0) is that of its numbers.
+    let magnitude = g.offset + g.slope * g.shift.ln() + g.slope * (alpha / g.shift).ln_1p();
     let phase = psi.limit - psi.span * (-psi.decay * alpha).exp();
     -Complex64::new(phase.cos(), phase.sin()) * force * magnitude
 }

@@ -8,31 +8,34 @@ use super::motion::{Motion, Turn, gauss};
 
 /// The force harmonics F_0 … F_n in N (rig convention) of an element of stiffness `k` and slip displacement `x`.
 ///
-/// The slider starts at the mean. On a monotone way to w it is dragged along at distance x at most, so its place at the
-/// next turning point is a clamp; after one period the state is periodic.
+/// The slider starts at the mean. On a monotone way the force follows the spring up to its limit, so at the next turning point it
+/// is a clamp; after one period the state is periodic.
 pub(super) fn force_harmonics(motion: &Motion, k: f64, x: f64, highest: usize) -> Vec<Complex64> {
     let mut harmonics = vec![Complex64::ZERO; highest + 1];
     let turns = motion.turns();
-    let mut slider = motion.mean();
+    let Some(last) = turns.last() else { return harmonics };
+    // The state is the force at a turning point: a place of the slider would round away where x is far below w.
+    let limit = k * x;
+    let mut before = Turn { tau: last.tau - TAU, ..*last };
+    let mut force = (k * (before.w - motion.mean())).clamp(-limit, limit);
     for _ in 0..2 {
         for turn in &turns {
-            slider = slider.clamp(turn.w - x, turn.w + x);
+            force = (force + k * (turn.w - before.w)).clamp(-limit, limit);
+            before = *turn;
         }
     }
-    let Some(last) = turns.last() else { return harmonics };
-    let mut before = Turn { tau: last.tau - TAU, ..*last };
+    before = Turn { tau: last.tau - TAU, ..*last };
     for turn in &turns {
-        let from = before.tau;
-        // Rising or falling to this turning point, the slider is met where |w − slider| reaches x.
+        // Rising or falling to this turning point, the element slips where its force reaches ±k x.
         let sign = if turn.maximum { 1.0 } else { -1.0 };
-        let slips = (turn.w - slider) * sign > x;
+        let (from, start) = (before.tau, force);
+        let reached = start + k * (turn.w - before.w);
+        let slips = reached * sign > limit;
         let onset =
-            if slips { crossing(motion, &before, turn, slider + sign * x - before.w) } else { turn.tau };
-        // At the limit where the last way ended slipping: k (w − slider) would lose that.
-        let rest = (k * (before.w - slider)).clamp(-k * x, k * x);
-        integrate(from, onset, motion, &mut harmonics, |tau| rest + k * way(motion, &before, tau));
-        integrate(onset, turn.tau, motion, &mut harmonics, |_| sign * k * x);
-        slider = slider.clamp(turn.w - x, turn.w + x);
+            if slips { crossing(motion, &before, turn, (sign * limit - start) / k) } else { turn.tau };
+        integrate(from, onset, motion, &mut harmonics, |tau| start + k * way(motion, &before, tau));
+        integrate(onset, turn.tau, motion, &mut harmonics, |_| sign * limit);
+        force = reached.clamp(-limit, limit);
         before = *turn;
     }
     if let Some(mean) = harmonics.first_mut() {

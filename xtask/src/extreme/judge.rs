@@ -2,7 +2,7 @@
 //!
 //! A reported motion is a solution when, with the forces that the law gives for it, every row of the balance is zero up to
 //!
-//! * 1e-11 of the sum of the magnitudes of the row's terms (backward error), and 1e-14 of that of the dof's largest harmonic,
+//! * 3e-11 of the sum of the magnitudes of the row's terms (backward error), and 1e-14 of that of the dof's largest harmonic,
 //! * what rounding of the reported displacements leaves undetermined of the force (see `reference_force`),
 //! * four times the residual that the solver reports for itself.
 
@@ -17,7 +17,7 @@ use super::motion::Motion;
 use super::reference_force::{Evaluation, evaluate};
 
 /// Backward error of a row that counts as rounding.
-const BACKWARD: f64 = 1e-11;
+const BACKWARD: f64 = 3e-11;
 
 /// How well the displacement of a contact agrees with those of its dofs, relative to the larger.
 const AGREEMENT: f64 = 1e-9;

@@ -67,8 +67,18 @@ pub(super) fn label(case: &Case, special: Special) -> Label {
 /// Whether samples of `F_s tanh(ẇ/v)` resolve its flank no more: their sum is then a staircase over the motion, and its solution may lie on
 /// a riser that is narrower than a rounding unit. A damper only reduces the velocity that the contact has without it, as Re(iG) ≥ 0.
 fn is_staircase(case: &Case, law: &LawSpec) -> bool {
-    let LawSpec::Coulomb { velocity, .. } = law else { return false };
     let Ok(model) = case.model() else { return false };
+    // A polygon's sliders stick for a share √(x/a) of the period after a turning point: far less than the way between samples.
+    if let (LawSpec::IwanPolygon { backbone }, true) = (law, case.harmonics > case.fundamental()) {
+        let amplitude: f64 = case
+            .loads
+            .iter()
+            .flat_map(|load| Rows::new(case, &model, load.harmonic).receptances())
+            .map(|(_, free)| free.norm())
+            .fold(0.0, f64::max);
+        return backbone.first().is_some_and(|[x, _]| amplitude > 1e4 * x);
+    }
+    let LawSpec::Coulomb { velocity, .. } = law else { return false };
     let rate = |load: &hbm::Excitation| {
         let all = Rows::new(case, &model, load.harmonic).receptances();
         let free = all.iter().map(|(_, free)| free.norm()).fold(0.0, f64::max);
