@@ -1,10 +1,17 @@
 //! Response curves through folds: against closed forms, published folds, and points solved one by one.
 
+use std::sync::Arc;
+
+use contact::{Coulomb, CoulombParameters};
+use faer::mat;
 use hbm::{
-    ContinuationOptions, Curve, CurveEnd, Damping, Model, Plan, Problem, Settings, entry_curve,
+    ContinuationOptions, Curve, CurveEnd, Damping, Model, Plan, Problem, Settings, Status, entry_curve,
     frequency_curve,
 };
-use stickslip_tests::{elastic_coulomb, paper_scene, scene_p, scene_p_cubic, scene_r, unit_masses};
+use stickslip_tests::{
+    elastic_coulomb, force, model, paper_scene, scaled_reference_loop, scene_p, scene_p_cubic, scene_r,
+    to_ground, unit_masses,
+};
 
 fn curve(problem: &Problem, harmonics: usize, from: f64, to: f64) -> Curve {
     frequency_curve(problem, &Settings::new(harmonics), (from, to), &ContinuationOptions::default()).unwrap()
@@ -134,4 +141,60 @@ fn a_contact_at_rest_has_no_curve() {
     let mut problem = paper_scene();
     problem.excitation[0].amplitude = 1e-3;
     assert_eq!(curve(&problem, 3, 70.0, 80.0).end, CurveEnd::Rest);
+}
+
+/// Ranges may begin at, end at and pass through zero; beyond it there may be no problem.
+#[test]
+fn zero_is_a_parameter_like_any_other() {
+    let options = ContinuationOptions { most_points: 1500, ..ContinuationOptions::default() };
+    let creeping = Coulomb::new(CoulombParameters { slip_force: 3.0, velocity: 0.05 }).unwrap();
+    for problem in [scene_r(), unit_masses(Arc::new(creeping))] {
+        for (from, to) in [(0.0, 60.0), (60.0, 0.0)] {
+            let curve = frequency_curve(&problem, &Settings::new(3), (from, to), &options).unwrap();
+            assert_eq!((curve.end, curve.points.last().unwrap().parameter), (CurveEnd::Reached, to));
+        }
+    }
+    let damped = |ratio: f64| {
+        let mut problem = scene_r();
+        let (mass, stiffness) = (problem.model.mass().to_owned(), problem.model.stiffness().to_owned());
+        problem.model = Model::new(mass, Damping::ModalRatio(ratio), stiffness).ok()?;
+        Some(problem)
+    };
+    let turned = |phase: f64| {
+        let mut problem = scene_r();
+        problem.excitation[0].phase = phase;
+        Some(problem)
+    };
+    type Family<'a> = &'a dyn Fn(f64) -> Option<Problem>;
+    let cases: [(Family, f64, f64); 3] = [(&damped, 0.0, 0.1), (&damped, 0.1, 0.0), (&turned, -1.0, 1.0)];
+    for (problem, from, to) in cases {
+        let curve = entry_curve(problem, 40.0, &Settings::new(3), (from, to), &options).unwrap();
+        assert_eq!((curve.end, curve.points.last().unwrap().parameter), (CurveEnd::Reached, to));
+    }
+}
+
+/// A peak just beyond the end of the range is not part of the curve.
+#[test]
+fn nothing_lies_outside_the_range() {
+    let curve = curve(&scene_p_cubic(), 5, 10.0, 43.2425);
+    assert_eq!(curve.end, CurveEnd::Reached);
+    assert!(curve.points.iter().all(|p| (10.0..=43.2425).contains(&p.parameter)));
+}
+
+/// With one harmonic a contact may slide or rest; the curve is that of the sliding one.
+#[test]
+fn a_contact_that_could_rest_slides_on() {
+    let problem = Problem {
+        model: model(mat![[1.0]], mat![[2.0]], mat![[1e5]]),
+        excitation: vec![force(0, 0.08)],
+        contacts: vec![to_ground(scaled_reference_loop())],
+        output: vec![0],
+    };
+    let plan = Plan::new(&problem, &Settings::new(1)).unwrap();
+    let solution = plan.solve(970.0, &mut plan.workspace());
+    assert_eq!((solution.status, solution.solutions), (Status::Converged, Some(3)));
+    let curve = curve(&problem, 1, 970.0, 990.0);
+    assert_eq!(curve.end, CurveEnd::Reached);
+    let (a, b) = (curve.points[0].solution.displacement[0][0], solution.displacement[0][0]);
+    assert!((a - b).norm() < 1e-9 * b.norm());
 }

@@ -1,7 +1,10 @@
 //! Estimates of errors against the errors themselves, and harmonics chosen by them.
 
+use faer::mat;
 use hbm::{Plan, Problem, Settings, Status};
-use stickslip_tests::{exact_orbits, paper_scene, scene_p, scene_p_cubic, scene_r};
+use stickslip_tests::{
+    elastic_coulomb, exact_orbits, force, model, paper_scene, scene_p, scene_p_cubic, scene_r, to_ground,
+};
 
 fn estimating(harmonics: usize) -> Settings {
     Settings { estimate: true, ..Settings::new(harmonics) }
@@ -128,4 +131,50 @@ fn easy_points_need_few_harmonics() {
     let stick = Plan::new(&problem, &settings).unwrap();
     let solution = stick.solve(75.0, &mut stick.workspace());
     assert_eq!((solution.harmonics, solution.truncation_error.map(|e| e < 1e-12)), (1, Some(true)));
+}
+
+/// The last rung of a ladder may add hardly any harmonics, or none: an estimate looks further.
+#[test]
+fn a_short_last_rung_is_no_estimate() {
+    let truth = Plan::new(&scene_r(), &Settings::new(511)).unwrap();
+    let truth = truth.solve(75.0, &mut truth.workspace());
+    for (rung, most) in [(7, 8), (7, 9), (63, 64), (63, 65)] {
+        let plan = Plan::new(&scene_r(), &Settings::new(rung)).unwrap();
+        let solution = plan.solve(75.0, &mut plan.workspace());
+        let at = |i: usize| solution.displacement[0].get(i).copied().unwrap_or_default();
+        let (change, size) = truth.displacement[0]
+            .iter()
+            .enumerate()
+            .fold((0.0, 0.0), |sums, (i, w)| (sums.0 + (w - at(i)).norm_sqr(), sums.1 + w.norm_sqr()));
+        let settings = Settings { truncation: Some(0.9 * f64::sqrt(change / size)), ..Settings::new(most) };
+        let plan = Plan::new(&scene_r(), &settings).unwrap();
+        assert_eq!(plan.solve(75.0, &mut plan.workspace()).harmonics, most);
+    }
+}
+
+/// A part of the structure that no contact sees, undamped and in resonance with the third harmonic.
+#[test]
+fn harmonics_that_cannot_be_taken_are_not_taken() {
+    let at_third = (3.0 * 20.0 * std::f64::consts::TAU).powi(2);
+    let problem = Problem {
+        model: model(
+            mat![[1.0, 0.0], [0.0, 1.0]],
+            mat![[5.0, 0.0], [0.0, 0.0]],
+            mat![[1e5, 0.0], [0.0, at_third]],
+        ),
+        excitation: vec![force(0, 10.0)],
+        contacts: vec![to_ground(elastic_coulomb(1e5, 1.0))],
+        output: vec![0],
+    };
+    let one = Plan::new(&problem, &Settings::new(1)).unwrap();
+    let settings = Settings { truncation: Some(1e-9), ..Settings::new(31) };
+    let adaptive = Plan::new(&problem, &settings).unwrap();
+    let mut workspace = adaptive.workspace();
+    let elsewhere = adaptive.solve(23.0, &mut workspace);
+    assert!(elsewhere.harmonics > 3);
+    let solution = adaptive.solve(20.0, &mut workspace);
+    assert_eq!((solution.harmonics, solution.truncation_error), (1, None));
+    let expected = one.solve(20.0, &mut one.workspace());
+    let change = (solution.displacement[0][0] - expected.displacement[0][0]).norm();
+    assert!(change < 1e-12 * expected.displacement[0][0].norm());
 }

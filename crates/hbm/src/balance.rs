@@ -27,11 +27,13 @@ pub(crate) struct Homotopy {
     pub(crate) excitation: f64,
     /// Share of the contact forces that is replaced by secant stiffnesses (1: a linear problem).
     pub(crate) secant: f64,
+    /// Laws see their displacement times this: below one they are softer, with the same slip forces.
+    pub(crate) stretch: f64,
 }
 
 impl Homotopy {
     /// The problem itself.
-    pub(crate) const NONE: Self = Self { contact: 1.0, excitation: 1.0, secant: 0.0 };
+    pub(crate) const NONE: Self = Self { contact: 1.0, excitation: 1.0, secant: 0.0, stretch: 1.0 };
 }
 
 /// Up to so many harmonics the product of two spectra is faster by its definition than by transforms.
@@ -178,7 +180,7 @@ impl Balance<'_> {
         contact.spectrum.resize(self.orders[..slots].last().map_or(1, |highest| highest + 1), c64::ZERO);
         contact.omega = point.omega;
         for (slot, &order) in self.orders.iter().enumerate().take(slots) {
-            contact.spectrum[order] = unknowns[slot * width + row] * point.length[row];
+            contact.spectrum[order] = unknowns[slot * width + row] * (point.length[row] * homotopy.stretch);
         }
         let spectrum = contact.spectrum.iter().copied();
         let velocity = spectrum.clone().enumerate().map(|(k, w)| c64::new(-w.im, w.re) * k as f64);
@@ -279,7 +281,7 @@ impl Balance<'_> {
         matrix.as_mut().submatrix_mut(0, 0, size, size).fill(0.0);
         for (column, &c) in point.active.iter().enumerate() {
             self.transform_tangent(slots, c, buffers);
-            let unit = self.contacts[c].scale * point.length[column] / point.force[column];
+            let unit = self.contacts[c].scale * point.length[column] * homotopy.stretch / point.force[column];
             for p in 0..slots {
                 for j in 0..slots {
                     let mut block = self.block(buffers, slots, p, j);

@@ -96,6 +96,12 @@ const FIRST_STEP: f64 = 0.01;
 const LONGEST_STEP: f64 = 0.25;
 const SHORTEST_STEP: f64 = 1e-9;
 
+/// Lengths are relative to the parameter down to this part of its range.
+const LEAST: f64 = 1e-3;
+
+/// Beside a resonance of no width steps are this part of the longest at least.
+const SLOWEST: f64 = 1e-6;
+
 /// A peak is found to this part of the steps beside it; its height then to the square.
 const PEAK: f64 = 1e-3;
 
@@ -172,6 +178,7 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
         curve.end = CurveEnd::Reached;
         return curve;
     }
+    let inside = |place: &Place| place.parameter >= from.min(to) && place.parameter <= from.max(to);
     // Amplitudes at the two places before, and the step between them.
     let mut rising: Option<(Vec<f64>, f64)> = None;
     let mut here = tracer.amplitudes(&place);
@@ -182,16 +189,29 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
         if !(options.progress)(place.parameter) {
             break CurveEnd::Stopped;
         }
-        let Some((next, length)) = tracer.step(&place) else { break CurveEnd::Lost };
+        let Some((next, length)) = tracer.step(&place) else {
+            // The range may end where nothing makes sense beyond, so that no step passes its end.
+            let apart = (to - place.parameter).abs();
+            if apart <= tracer.least
+                && let Some(last) = tracer.at(&place, to)
+            {
+                curve.points.push(tracer.point(&last, arclength + apart / to.abs().max(tracer.least)));
+                break CurveEnd::Reached;
+            }
+            break CurveEnd::Lost;
+        };
         if place.rises() != next.rises()
             && let Some((fold, at)) = tracer.fold(&place, &next)
+            && inside(&fold)
         {
             curve.points.push(CurvePoint { fold: true, ..tracer.point(&fold, arclength + at) });
         }
         let ahead = tracer.amplitudes(&next);
         if let Some((before, step)) = &rising {
             for dof in (0..here.len()).filter(|&o| before[o] < here[o] && here[o] >= ahead[o]) {
-                if let Some((peak, at)) = tracer.peak(&place, (-step, length), dof) {
+                if let Some((peak, at)) = tracer.peak(&place, (-step, length), dof)
+                    && inside(&peak)
+                {
                     curve.points.push(CurvePoint { peaks: vec![dof], ..tracer.point(&peak, arclength + at) });
                 }
             }
@@ -228,6 +248,8 @@ struct Tracer<'c> {
     forward: f64,
     /// Longest step of the parameter.
     longest: f64,
+    /// Below this the parameter is as good as zero.
+    least: f64,
     /// Relative length of the next step.
     length: f64,
     lu: Lu<f64>,
@@ -246,6 +268,7 @@ impl<'c> Tracer<'c> {
         Self {
             forward: (to - from).signum(),
             longest: options.longest_step * (to - from).abs(),
+            least: LEAST * (to - from).abs(),
             length: FIRST_STEP,
             lu: Lu::new(2 * entries + 1, 1),
             column: Mat::zeros(2 * entries + 1, 1),
@@ -354,16 +377,16 @@ impl<'c> Tracer<'c> {
         if self.factor(parameter, &border) {
             place.tangent = self.solve(None, 1.0);
         }
-        Metric::at(&place).normalise(&mut place.tangent);
+        Metric::at(&place, self.least).normalise(&mut place.tangent);
         place
     }
 
     /// One step forward and its length; shorter ones until one succeeds.
     fn step(&mut self, from: &Place) -> Option<(Place, f64)> {
-        let metric = Metric::at(from);
+        let metric = Metric::at(from, self.least);
         while self.length >= SHORTEST_STEP {
             let along = from.tangent.last().map_or(0.0, |t| t.abs());
-            let limit = self.longest.min(self.course.reach(from.parameter));
+            let limit = self.course.reach(from.parameter).clamp(SLOWEST * self.longest, self.longest);
             let length = if along > 0.0 { self.length.min(limit / along) } else { self.length };
             if let Some((next, corrections)) = self.advance(from, &metric, length) {
                 let straight = metric.product(&from.tangent, &next.tangent)
@@ -404,7 +427,7 @@ impl<'c> Tracer<'c> {
                 };
                 place.tangent = self.solve(None, 1.0);
                 // The new place measures with its own metric.
-                Metric::at(&place).normalise(&mut place.tangent);
+                Metric::at(&place, self.least).normalise(&mut place.tangent);
                 return Some((place, correction));
             }
             let upper = self.real(&self.ws.balance[self.ws.goal].residual);
@@ -428,7 +451,7 @@ impl<'c> Tracer<'c> {
 
     /// The fold between two places, by the sign of t_λ over the length of the step; and its distance from the first.
     fn fold(&mut self, before: &Place, after: &Place) -> Option<(Place, f64)> {
-        let metric = Metric::at(before);
+        let metric = Metric::at(before, self.least);
         let along = |place: &Place| place.tangent.last().copied().unwrap_or(0.0);
         let apart: Vec<f64> = (after.unknowns.iter().zip(&before.unknowns))
             .map(|(a, b)| a - b)
@@ -469,7 +492,7 @@ impl<'c> Tracer<'c> {
     /// section, since the curve may have kinks.
     fn peak(&mut self, from: &Place, range: (f64, f64), dof: usize) -> Option<(Place, f64)> {
         const RATIO: f64 = 0.618_033_988_749_894_9;
-        let metric = Metric::at(from);
+        let metric = Metric::at(from, self.least);
         let at = |tracer: &mut Self, length: f64| -> Option<(Place, f64)> {
             let (place, _) = tracer.advance(from, &metric, length)?;
             let amplitude = tracer.amplitudes(&place)[dof];
@@ -501,7 +524,7 @@ impl<'c> Tracer<'c> {
             *last = 1.0;
         }
         let tolerance = self.course.plan().criteria().tolerance;
-        let metric = Metric::at(beyond);
+        let metric = Metric::at(beyond, self.least);
         let mut last_step = f64::INFINITY;
         for _ in 0..2 * CORRECTIONS {
             let residual = self.evaluate(&unknowns, parameter)?;
@@ -533,14 +556,15 @@ impl<'c> Tracer<'c> {
 
 /// Lengths relative to the amplitude and the parameter of a place.
 struct Metric {
-    /// 1/‖û‖² and 1/λ².
+    /// 1/‖û‖² and 1/λ², λ no less than a small part of the range: it may pass through zero.
     weights: (f64, f64),
 }
 
 impl Metric {
-    fn at(place: &Place) -> Self {
+    /// Parameters below `least` are measured as if they were so large.
+    fn at(place: &Place, least: f64) -> Self {
         let size: f64 = place.unknowns.iter().map(|u| u * u).sum();
-        let parameter = place.parameter * place.parameter;
+        let parameter = place.parameter.abs().max(least).powi(2);
         let weight = |square: f64| if square > 0.0 { 1.0 / square } else { 1.0 };
         Self { weights: (weight(size), weight(parameter)) }
     }

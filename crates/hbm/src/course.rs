@@ -74,9 +74,11 @@ impl Plan {
     /// Adds what the frequency changes in forces that depend on the velocity, by central differences.
     fn add_rate_slope(&self, hertz: f64, ws: &mut Workspace, slope: &mut [c64]) -> bool {
         let omega = ws.point.omega;
+        let step = DIFFERENCE * if hertz > 0.0 { hertz } else { 1.0 };
+        let turn = std::f64::consts::TAU * self.harmonics.fundamental as f64 * step;
         let mut sides = [Vec::new(), Vec::new()];
         for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
-            ws.point.omega = omega * (1.0 + sign * DIFFERENCE);
+            ws.point.omega = omega + sign * turn;
             if !self.evaluate_again(ws) {
                 return false;
             }
@@ -84,7 +86,7 @@ impl Plan {
         }
         ws.point.omega = omega;
         for ((slope, above), below) in slope.iter_mut().zip(&sides[0]).zip(&sides[1]) {
-            *slope += (above - below) / (2.0 * DIFFERENCE * hertz);
+            *slope += (above - below) / (2.0 * step);
         }
         self.evaluate_again(ws)
     }
@@ -235,13 +237,26 @@ impl Course for EntryCourse<'_> {
         let mut below = vec![c64::ZERO; slope.len()];
         let mut here = vec![c64::ZERO; slope.len()];
         let found =
-            self.residual_at(parameter + h, ws, slope) && self.residual_at(parameter - h, ws, &mut below);
+            [self.residual_at(parameter + h, ws, slope), self.residual_at(parameter - h, ws, &mut below)];
         // Back to the evaluation that the caller made.
         let back = self.residual_at(parameter, ws, &mut here);
+        // At the end of what makes sense there is one side only.
+        let apart = match found {
+            [true, true] => 2.0 * h,
+            [true, false] => {
+                below.copy_from_slice(&here);
+                h
+            }
+            [false, true] => {
+                slope.copy_from_slice(&here);
+                h
+            }
+            [false, false] => return false,
+        };
         for (above, below) in slope.iter_mut().zip(&below) {
-            *above = (*above - below) / (2.0 * h);
+            *above = (*above - below) / apart;
         }
-        found && back
+        back
     }
 
     fn reach(&self, _parameter: f64) -> f64 {

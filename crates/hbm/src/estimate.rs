@@ -7,6 +7,7 @@
 use faer::c64;
 
 use crate::balance::Homotopy;
+use crate::harmonics::beyond;
 use crate::newton::Outcome;
 use crate::plan::{Plan, Workspace};
 
@@ -73,10 +74,13 @@ impl Plan {
                 (Some(tolerance), Some(error)) if error <= tolerance => true,
                 _ => ws.goal >= self.top,
             };
-            if !enough {
+            let above = self.rungs[(ws.goal + 1).min(self.top)].slots;
+            if !enough && self.reach(above, hertz, ws).is_ok() {
                 ws.goal += 1;
-                let slots = self.rungs[ws.goal].slots;
-                let mut next = self.iterate(ws.goal, slots, Homotopy::NONE, ws);
+                let mut next = match error {
+                    Some(_) => self.iterate(ws.goal, above, Homotopy::NONE, ws),
+                    None => Outcome::NONE,
+                };
                 if !next.converged {
                     ws.unknowns[..count].copy_from_slice(&ws.solved[..count]);
                     next = self.climb(ws.goal, ws);
@@ -91,6 +95,10 @@ impl Plan {
                 ws.goal -= 1;
             }
             ws.unknowns[..count].copy_from_slice(&ws.solved[..count]);
+            // Ways around a failed ladder go over lower rungs: what is reported has to be this one's again.
+            let Workspace { goal, point, unknowns, balance, .. } = ws;
+            let slots = self.rungs[*goal].slots;
+            let _ = self.balance(*goal).evaluate(point, slots, Homotopy::NONE, unknowns, &mut balance[*goal]);
             return outcome;
         }
     }
@@ -98,11 +106,13 @@ impl Plan {
     /// Estimate of the relative l2 error of the displacement spectrum, the worst of the output dofs, of the solution in
     /// the workspace. Leaves a solution with more harmonics in the unknowns.
     fn look_beyond(&self, hertz: f64, ws: &mut Workspace) -> Option<f64> {
-        if self.linear || ws.point.width() == 0 {
+        if self.linear || self.harmonics.asked == 0 || ws.point.width() == 0 {
             return Some(0.0);
         }
-        let (here, there) = (ws.goal, ws.goal + 1);
-        let (from, to) = (self.rungs[here].slots, self.rungs.get(there)?.slots);
+        let here = ws.goal;
+        let wanted = beyond(self.rungs[here].order);
+        let there = self.rungs.iter().position(|rung| rung.order >= wanted)?;
+        let (from, to) = (self.rungs[here].slots, self.rungs[there].slots);
         if ws.point.width() < self.contacts.len() || self.reach(to, hertz, ws).is_err() {
             return None;
         }
@@ -183,7 +193,8 @@ impl Plan {
     /// Estimate of the relative l2 error of the relative displacement from the finite number of samples, the worst of
     /// the contacts: the Newton step that more samples would make. `None` where it cannot be made.
     fn sampling_error(&self, ws: &mut Workspace) -> Option<f64> {
-        if self.linear || self.scalar || !self.has_samples() || ws.point.width() == 0 {
+        let free = self.linear || self.scalar || self.harmonics.asked == 0;
+        if free || !self.has_samples() || ws.point.width() == 0 {
             return Some(0.0);
         }
         let slots = self.rungs[ws.goal].slots;

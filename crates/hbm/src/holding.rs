@@ -19,6 +19,13 @@ impl Plan {
         }
         let candidates = ws.held.iter().filter(|held| **held).count();
         for _ in 0..candidates {
+            if self.settings.truncation.is_some() && ws.held.iter().any(|held| !held) {
+                // No estimate looks beyond a contact at rest: as many harmonics as there may be.
+                if self.reach(self.rungs[self.top].slots, solution.frequency, ws).is_err() {
+                    break;
+                }
+                ws.goal = self.top;
+            }
             ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
             let Some(residual) = self.solve_around_held(solution.frequency, ws) else { break };
             self.holding_forces(ws);

@@ -18,7 +18,7 @@ const ROUGHLY: f64 = 1e-4;
 const PERTURBED_STARTS: usize = 8;
 
 /// Steps a homotopy may take, failed ones included.
-const HOMOTOPY_STEPS: usize = 80;
+const HOMOTOPY_STEPS: usize = 400;
 
 /// The excitation homotopy begins where friction is a small part of the excitation.
 const LARGE_EXCITATION: f64 = 100.0;
@@ -83,8 +83,9 @@ impl Plan {
     pub(crate) fn fall_back(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
         let mut best = Outcome::NONE;
         type Attempt = fn(&Plan, f64, &mut Workspace) -> Outcome;
-        let attempts: [Attempt; 7] = [
+        let attempts: [Attempt; 8] = [
             |plan, _, ws| plan.secant_homotopy(ws),
+            |plan, _, ws| plan.stiffness_homotopy(ws),
             |plan, _, ws| plan.contact_homotopy(ws),
             |plan, _, ws| plan.excitation_homotopy(ws),
             Self::damping_homotopy,
@@ -174,6 +175,8 @@ impl Plan {
         let width = ws.point.width();
         let slots = self.rungs[0].slots;
         let count = slots * width;
+        // A rung above may go on from here although the first one failed.
+        ws.unknowns.fill(c64::ZERO);
         ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
         let first = self.first_slot().unwrap_or(0);
         for round in 0..20 {
@@ -203,6 +206,12 @@ impl Plan {
             let (length, force) = (ws.point.length[column], ws.point.force[column]);
             ws.point.secant[column] = secant(&*contact.law, contact.scale, amplitude, length, force);
         }
+        self.solve_with_secants(slots, ws);
+    }
+
+    /// Solves `(1 + Ĝ K̂) û = û⁰` in every slot with the secant stiffnesses of the point.
+    fn solve_with_secants(&self, slots: usize, ws: &mut Workspace) {
+        let width = ws.point.width();
         for slot in 0..slots {
             for column in 0..width {
                 let stiffness = ws.point.secant_stiffness(column, self.harmonics.reduced[slot]);
@@ -232,6 +241,22 @@ impl Plan {
         ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
         self.solve_linearised(self.rungs[ws.goal].slots, self.first_slot().unwrap_or(0), ws);
         self.follow(0.0, 1.0, 0.1, |s| Homotopy { secant: 1.0 - s, ..Homotopy::NONE }, ws)
+    }
+
+    /// From contacts as soft as the structure, with the slip forces they have, to their own stiffness: equal steps in its
+    /// logarithm.
+    fn stiffness_homotopy(&self, ws: &mut Workspace) -> Outcome {
+        ws.stats.stiffness_homotopies += 1;
+        let (slots, width) = (self.rungs[ws.goal].slots, ws.point.width());
+        let first = self.first_slot().unwrap_or(0) * width * width;
+        let stiffest = ws.point.receptance[first..first + width * width].iter().map(|g| g.norm());
+        let softness = 1.0 / (1.0 + stiffest.fold(0.0, f64::max));
+        ws.point.secant[..width].fill(c64::from(softness));
+        self.solve_with_secants(slots, ws);
+        let decades = softness.ln();
+        let steps = (-decades).max(1.0);
+        let stretch = move |s: f64| Homotopy { stretch: (decades * (1.0 - s)).exp(), ..Homotopy::NONE };
+        self.follow(0.0, 1.0, 0.5 / steps, stretch, ws)
     }
 
     /// From the structure without contacts (μ = 0) to the problem (μ = 1), with all harmonics.
@@ -285,7 +310,7 @@ impl Plan {
         self.follow(0.0, 1.0, 0.1, excitation, ws)
     }
 
-    /// Follows a homotopy from `start` to `end` with steps that adapt to success.
+    /// Follows a homotopy from `start` to `end` with steps that adapt to success, each guessed from the two before.
     fn follow(
         &self,
         start: f64,
@@ -298,21 +323,35 @@ impl Plan {
         let slots = self.rungs[last].slots;
         let count = slots * ws.point.width();
         let mut reached = start;
+        let mut before = None;
         let mut step = step;
         let mut outcome = self.iterate(last, slots, homotopy(start), ws);
         ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
         for _ in 0..HOMOTOPY_STEPS {
             let next = (reached + step).min(end);
+            if let Some(before) = before {
+                let ratio = (next - reached) / (reached - before);
+                for entry in 0..count {
+                    let slope = ws.kept[entry] - ws.before[entry];
+                    ws.unknowns[entry] = ws.kept[entry] + slope * ratio;
+                }
+            }
             outcome = self.iterate(last, slots, homotopy(next), ws);
             if outcome.converged {
                 if next >= end {
                     return outcome;
                 }
+                before = Some(reached);
                 reached = next;
-                step *= 2.0;
+                step *= match outcome.iterations {
+                    0..=5 => 2.0,
+                    6..=8 => 1.3,
+                    _ => 1.0,
+                };
+                ws.before[..count].copy_from_slice(&ws.kept[..count]);
                 ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
             } else {
-                step *= 0.3;
+                step *= 0.4;
                 ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
                 if step < 1e-6 {
                     break;
@@ -373,7 +412,7 @@ impl SplitMix {
 mod tests {
     use std::sync::Arc;
 
-    use contact::{ElasticCoulomb, ElasticCoulombParameters};
+    use contact::{Coulomb, CoulombParameters, ElasticCoulomb, ElasticCoulombParameters};
     use faer::mat;
 
     use super::*;
@@ -414,7 +453,8 @@ mod tests {
         assert!(solution.status.solved() && solution.stats.secant_homotopies == 0, "{:?}", solution.stats);
         let expected = solution.contacts[0].displacement.clone();
         type Fallback = fn(&Plan, &mut Workspace) -> Outcome;
-        let fallbacks: [(&str, Fallback); 6] = [
+        let fallbacks: [(&str, Fallback); 7] = [
+            ("stiffness", Plan::stiffness_homotopy),
             ("secant", Plan::secant_homotopy),
             ("contact", Plan::contact_homotopy),
             ("excitation", Plan::excitation_homotopy),
@@ -432,6 +472,22 @@ mod tests {
                 let error = (unknown * ws.point.length[0] - w).norm() / expected[0].norm();
                 assert!(error < 1e-9, "{name}: {error:e}");
             }
+        }
+    }
+
+    /// Where the first rung fails the next one goes on from what is there: nothing of another point.
+    #[test]
+    fn a_failed_first_rung_starts_the_next_afresh() {
+        let mut plan = hard_plan();
+        // Coulomb's law: no describing function, so no closed start.
+        let creeping = CoulombParameters { slip_force: 6.0, velocity: 1e-4 };
+        plan.contacts[0].law = Arc::new(Coulomb::new(creeping).unwrap());
+        plan.scalar_start = false;
+        plan.settings.max_iterations = 3;
+        let mut ws = plan.workspace();
+        for hertz in [57.0, 30.0, 43.0, 80.0] {
+            let used = plan.solve(hertz, &mut ws);
+            assert_eq!(used, plan.solve(hertz, &mut plan.workspace()), "{hertz} Hz");
         }
     }
 }

@@ -157,6 +157,8 @@ pub(crate) fn solve(
         }
         let length = newton_step(task, factored, unknowns, buffers, newton);
         if !length.is_finite() {
+            // Differences leave the buffers beside the point.
+            let _ = balance.evaluate(point, *slots, *homotopy, unknowns, buffers);
             break;
         }
         let scale: f64 = unknowns.iter().take(count).map(|u| u.norm_sqr()).sum::<f64>().sqrt();
@@ -178,6 +180,11 @@ pub(crate) fn solve(
             // Rounding allows no further descent, or none exists in this direction. The buffers must end at the
             // point that is kept.
             let _ = balance.evaluate(point, *slots, *homotopy, unknowns, buffers);
+            if factored && !done {
+                // The derivative was an old one.
+                factored = false;
+                continue;
+            }
             let converged = residual <= criteria.tolerance.max(FLOOR);
             return Outcome { converged, iterations: iteration + 1, residual, law_error };
         };

@@ -91,6 +91,8 @@ pub struct Workspace {
     pub(crate) unknowns: Vec<c64>,
     /// A solution to fall back to.
     pub(crate) kept: Vec<c64>,
+    /// The one before it on a way.
+    pub(crate) before: Vec<c64>,
     /// Displacement harmonics in m of the previous point of a march, and whether there is one.
     pub(crate) previous: Vec<c64>,
     pub(crate) has_previous: bool,
@@ -278,6 +280,7 @@ impl Plan {
             newton: NewtonBuffers::new(entries),
             unknowns: vec![c64::ZERO; entries],
             kept: vec![c64::ZERO; entries],
+            before: vec![c64::ZERO; entries],
             previous: vec![c64::ZERO; entries],
             has_previous: false,
             solved: vec![c64::ZERO; entries],

@@ -100,6 +100,8 @@ pub struct Stats {
     pub contact_homotopies: usize,
     /// Homotopies in the excitation.
     pub excitation_homotopies: usize,
+    /// Homotopies in the stiffness of the contacts.
+    pub stiffness_homotopies: usize,
     /// Homotopies in the damping.
     pub damping_homotopies: usize,
     /// Homotopies in the contact force along the arc, through folds.

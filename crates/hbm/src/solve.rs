@@ -156,11 +156,12 @@ impl Plan {
         roots.clear();
         balance.roots(&mut roots);
         roots.sort_by(|a, b| b.total_cmp(a));
-        let mut reported = false;
+        let (mut reported, largest) = (false, roots.first().copied());
         for &a in roots.iter().take(if self.settings.all_solutions { usize::MAX } else { 1 }) {
             self.place_root(&balance, a, ws);
             let closed = Outcome { converged: true, ..Outcome::NONE };
             self.complete(closed, solution.frequency, ws);
+            self.place_root(&balance, a, ws);
             if reported {
                 let mut other = Solution::empty(solution.frequency, solution.harmonics);
                 self.report(Status::Converged, balance.residual(a), ws, &mut other);
@@ -182,6 +183,12 @@ impl Plan {
             count += usize::from(held);
             if held && reported && self.settings.all_solutions {
                 solution.others.push(rest);
+            }
+            if let Some(a) = largest {
+                // The workspace is left with what is reported.
+                ws.held.fill(false);
+                ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
+                self.place_root(&balance, a, ws);
             }
             reported |= held;
         }
@@ -273,7 +280,10 @@ impl Plan {
             return self.report(Status::Converged, outcome.residual, ws, solution);
         }
         let mut other = Solution::empty(solution.frequency, solution.harmonics);
+        // A march goes on from the solution that is reported first.
+        ws.solved.copy_from_slice(&ws.previous);
         self.report(Status::Converged, outcome.residual, ws, &mut other);
+        ws.previous.copy_from_slice(&ws.solved);
         let known = std::iter::once(&*solution).chain(&solution.others);
         if known.into_iter().all(|s| s.differs_from(&other)) {
             solution.others.push(other);

@@ -70,7 +70,7 @@ fn the_jacobian_agrees_with_central_differences() {
     let size = balance.size(width, slots);
     assert_eq!((slots, size), (5, 2 * 4 * 5 - 4));
     ws.point.secant.copy_from_slice(&[c64::new(0.7, 0.2), c64::new(1.3, 0.0), c64::new(0.2, 0.9), c64::ZERO]);
-    for homotopy in [Homotopy::NONE, Homotopy { contact: 0.3, excitation: 2.0, secant: 0.4 }] {
+    for homotopy in [Homotopy::NONE, Homotopy { contact: 0.3, excitation: 2.0, secant: 0.4, stretch: 0.7 }] {
         // A motion that slips, with reversals; the mean is real.
         let mut unknowns: Vec<c64> = (0..slots * width)
             .map(|i| c64::from_polar(2.0 / (1 + i / width) as f64, 1.0 + 1.7 * i as f64))
