@@ -293,6 +293,8 @@ fn ctrl_c_keeps_the_finished_points() {
     let value: Value = serde_json::from_str(&text).unwrap();
     let points = value["points"].as_array().unwrap();
     assert!(!points.is_empty() && points.len() < 1_000_000, "{}", points.len());
+    let note = format!("stopped after {} of 1000000 points; the others are not in the result", points.len());
+    assert!(value["notes"].as_array().unwrap().contains(&json!(note)), "{}", value["notes"]);
     assert_eq!(points[0]["frequency"], 40.0);
 }
 

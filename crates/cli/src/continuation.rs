@@ -131,13 +131,13 @@ fn csv(curve: &CurveOutcome, out: &mut dyn io::Write) -> io::Result<()> {
 fn text(curve: &CurveOutcome) -> String {
     let mut text = String::new();
     let (first, last) = (curve.points.first(), curve.points.last());
-    let harmonics = first.map_or(0, |point| point.point.harmonics);
+    let harmonics = first.map_or(String::new(), |first| format!(", N = {}", first.point.harmonics));
     let ends = first.zip(last).map_or("no point".into(), |(first, last)| {
         let ends = [first, last].map(|point| place(curve, point.parameter));
         format!("{} from {} to {}", count(curve.points.len(), "point", "points"), ends[0], ends[1])
     });
     // Writing to a String cannot fail.
-    let _ = writeln!(text, "{} along {}: {ends}, N = {harmonics}", curve.scene, curve.parameter);
+    let _ = writeln!(text, "{} along {}: {ends}{harmonics}", curve.scene, curve.parameter);
     let amplitudes = |point: &CurveOutcomePoint| {
         let each = curve
             .dofs

@@ -149,12 +149,17 @@ impl Outcome {
     pub(crate) fn new(solved: &Solved, timing: Timing) -> Self {
         let (scene, plan) = (solved.prepared.scene, &solved.prepared.plan);
         let names = Names::of(scene, plan.orders());
+        let mut notes = notes::all(scene, solved.solutions());
+        if solved.interrupted() {
+            let (done, all) = (solved.solutions().len(), scene.frequencies().as_slice().len());
+            notes.push(format!("stopped after {done} of {all} points; the others are not in the result"));
+        }
         Self {
             format_version: 1,
             scene: scene.name.clone(),
             dofs: names.dofs.iter().map(|name| (*name).to_owned()).collect(),
             units: "SI, Hz, rad",
-            notes: notes::all(scene, solved.solutions()),
+            notes,
             points: solved.solutions().iter().map(|solution| names.point(solution, names.others)).collect(),
             timing,
         }

@@ -148,6 +148,10 @@ pub fn truncation(
     let reference = usual_reference(&found).unwrap_or(truths.usual()).to_string();
     let rows: Vec<Row> = found.iter().flat_map(|one| one.rows(&kept, &prepared, &reference)).collect();
     notes.extend(remarks(&found, &reference));
+    if interrupted {
+        let (done, all) = (found.len(), frequencies.len());
+        notes.push(format!("stopped after {done} of {all} frequencies; the others are not in the result"));
+    }
     Ok(Truncation {
         scene: scene.name().to_owned(),
         dofs: scene.output().into_iter().map(str::to_owned).collect(),
@@ -392,5 +396,6 @@ mod tests {
         let options = TruncationOptions { cancel: Some(&cancel), ..TruncationOptions::default() };
         let study = truncation(&scene("1"), &[1], &options).unwrap();
         assert!(study.interrupted && study.rows.is_empty());
+        assert!(study.notes.iter().any(|note| note.starts_with("stopped after 0 of ")), "{:?}", study.notes);
     }
 }
