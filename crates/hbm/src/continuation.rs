@@ -111,6 +111,9 @@ const SHORT_STEP: f64 = 1e-5;
 /// Where corrections are as small as this, rounding allows no smaller residual than there is.
 const ROUNDING: f64 = 1e-11;
 
+/// A dimensionless displacement below this is rest.
+const AT_REST: f64 = 1e-9;
+
 /// A tangent across the parameter to this part counts as the fold itself.
 const FOLD: f64 = 1e-7;
 
@@ -207,6 +210,9 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
             curve.points.push(CurvePoint { fold: true, ..tracer.point(&fold, arclength + at) });
         }
         let ahead = tracer.amplitudes(&next);
+        if tracer.comes_to_rest() {
+            break CurveEnd::Rest;
+        }
         if let Some((before, step)) = &rising {
             for dof in (0..here.len()).filter(|&o| before[o] < here[o] && here[o] >= ahead[o]) {
                 if let Some((peak, at)) = tracer.peak(&place, (-step, length), dof)
@@ -479,6 +485,15 @@ impl<'c> Tracer<'c> {
             }
         }
         best
+    }
+
+    /// Whether a contact whose law is set-valued at rest hardly moves any more at the place evaluated last.
+    fn comes_to_rest(&self) -> bool {
+        let (plan, width) = (self.course.plan(), self.ws.point.width());
+        let slots = plan.rungs[self.ws.goal].slots;
+        let moves = |row: usize| (0..slots).any(|slot| self.ws.unknowns[slot * width + row].norm() > AT_REST);
+        let holds = |row: usize| plan.contacts[self.ws.point.active[row]].law.holding_force() > 0.0;
+        (0..width).any(|row| holds(row) && !moves(row))
     }
 
     /// Amplitudes of the output dofs at the base frequency, at a place.
