@@ -85,7 +85,7 @@ fn is_staircase(case: &Case, law: &LawSpec) -> bool {
         std::f64::consts::TAU * case.frequency * load.harmonic as f64 * free
     };
     let rate: f64 = case.loads.iter().map(rate).sum();
-    !(rate <= 100.0 * velocity)
+    rate.is_nan() || rate > 100.0 * velocity
 }
 
 fn at_resonance(case: &Case, law: &LawSpec) -> Label {
