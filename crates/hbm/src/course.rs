@@ -40,7 +40,7 @@ impl Plan {
         let slots = self.slots();
         if hertz.is_nan()
             || hertz < 0.0
-            || self.structure.condense(hertz, 0..slots, &mut ws.condensed).is_err()
+            || self.structure.condense_alone(hertz, 0..slots, &mut ws.condensed).is_err()
         {
             return false;
         }

@@ -203,7 +203,7 @@ impl Structure {
         self.condense_where(hertz, slots, ILL_CONDITIONED, into)
     }
 
-    /// As [`Structure::condense`], with springs lent only where the structure is singular.
+    /// As [`Structure::condense`], with springs lent only where the structure is singular: along a curve they would come and go.
     ///
     /// # Errors
     /// The harmonic of Ω at which the dynamic stiffness is singular.

@@ -2,7 +2,7 @@
 //!
 //! A reported motion is a solution when, with the forces that the law gives for it, every row of the balance is zero up to
 //!
-//! * 3e-11 of the sum of the magnitudes of the row's terms (backward error), and 1e-14 of that of the dof's largest harmonic,
+//! * 3e-11 of the sum of the magnitudes of the row's terms (backward error), and 1e-12 of that of the dof's largest harmonic,
 //! * what rounding of the reported displacements leaves undetermined of the force (see `reference_force`),
 //! * four times the residual that the solver reports for itself.
 
@@ -23,7 +23,7 @@ const BACKWARD: f64 = 3e-11;
 const AGREEMENT: f64 = 1e-9;
 
 /// What a transform spreads over all harmonics: rounding of the largest.
-const SPREAD: f64 = 1e-14;
+const SPREAD: f64 = 1e-12;
 
 /// How close a solution is to the bounds it must keep: the largest ratio of a residual to its tolerance, and of a residual
 /// to the terms of the dof's largest harmonic.
