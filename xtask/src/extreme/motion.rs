@@ -182,12 +182,12 @@ mod tests {
 
     #[test]
     fn turning_points_of_two_harmonics() {
-        // w = cos τ + ⅓ cos 3τ: w' = −sin τ − sin 3τ = −2 sin 2τ cos τ.
-        let spectrum = [0.0, 1.0, 0.0, 1.0 / 3.0].map(Complex64::from).to_vec();
+        // w = cos τ + ⅔ cos 3τ: w' = −sin τ − 2 sin 3τ = −sin τ (7 − 8 sin² τ).
+        let spectrum = [0.0, 1.0, 0.0, 2.0 / 3.0].map(Complex64::from).to_vec();
         let turns = Motion { spectrum }.turns();
-        assert_eq!(turns.len(), 4);
+        assert_eq!(turns.len(), 6);
         for turn in &turns {
-            let rate = (2.0 * turn.tau).sin() * turn.tau.cos();
+            let rate = turn.tau.sin() * (7.0 - 8.0 * turn.tau.sin().powi(2));
             assert!(rate.abs() < 1e-14, "{turn:?}");
         }
     }

@@ -13,7 +13,7 @@ pub(crate) struct Ranges(pub(crate) Vec<(f64, f64)>);
 /// Steepness of the wall around the admissible set.
 const WALL: f64 = 100.0;
 /// Edges of the simplices, each begun where the one before ended: one that met the wall is flat.
-const EDGES: [f64; 5] = [0.01, 0.01, 0.005, 0.005, 0.002];
+const EDGES: [f64; 8] = [0.03, 0.03, 0.02, 0.01, 0.01, 0.005, 0.005, 0.002];
 const ITERATIONS: u64 = 120;
 
 /// Walks from `best` as far as possible in both directions of every quantity.
