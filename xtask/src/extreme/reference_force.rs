@@ -113,9 +113,11 @@ impl Logarithm {
 /// The force of a period; uncertain by what changes with the last digits of the motion.
 fn period(built: &Built, motion: &Motion, samples: usize, omega: f64) -> Force {
     let mut force = exactly(built, motion, samples, omega);
-    for sign in [1.0, -1.0] {
+    // In several patterns of signs: a steep force may be blind to one of them.
+    for pattern in 0..8 {
+        let sign = if pattern % 2 == 0 { 1.0 } else { -1.0 };
         let nudge = |(k, w): (usize, &Complex64)| {
-            let way = if k % 4 < 2 { sign } else { -sign };
+            let way = if (k >> (pattern / 2)) % 2 == 0 { sign } else { -sign };
             w * Complex64::new(1.0 + 4.0 * way * f64::EPSILON, 4.0 * sign * f64::EPSILON)
         };
         let mut spectrum: Vec<Complex64> = motion.spectrum.iter().enumerate().map(nudge).collect();
