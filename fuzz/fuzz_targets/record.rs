@@ -9,7 +9,7 @@ fuzz_target!(|bytes: &[u8]| {
     let text = String::from_utf8_lossy(bytes);
     match Record::parse(&text, &ReadOptions::default()) {
         Ok(record) => match hysteresis::fit(&record, &FitSettings::default()) {
-            Ok(fit) => assert!(fit.hysteresis_loop.amplitude() > 0.0 && fit.noise >= 0.0),
+            Ok(fit) => assert!(fit.hysteresis_loop.displacement_amplitude() > 0.0 && fit.noise >= 0.0),
             Err(error) => assert!(!error.to_string().is_empty()),
         },
         Err(error) => assert!(!error.to_string().is_empty()),

@@ -31,6 +31,13 @@ impl<T: ComplexField> Lu<T> {
         }
     }
 
+    /// Makes room for matrices of this size; what is in `matrix` is lost when there was not enough.
+    pub(crate) fn reserve(&mut self, size: usize) {
+        if size > self.forward.len() {
+            *self = Self::new(size, 1);
+        }
+    }
+
     /// Factors the leading `size` × `size` block of `matrix`.
     pub(crate) fn factor(&mut self, size: usize) {
         self.size = size;

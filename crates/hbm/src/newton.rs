@@ -45,6 +45,10 @@ const SHORTEST: f64 = 1.0 / 1024.0;
 /// Steps over which the rate of convergence is judged.
 const RATE_WINDOW: usize = 5;
 
+/// Real unknowns for which a factorisation has room from the start. More are made room for when they are met: with a
+/// slaved tail they hardly ever are.
+const USUAL_SIZE: usize = 512;
+
 /// How an iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Outcome {
@@ -81,7 +85,7 @@ impl NewtonBuffers {
     pub(crate) fn new(entries: usize) -> Self {
         let size = 2 * entries;
         Self {
-            lu: Lu::new(size, 1),
+            lu: Lu::new(size.min(USUAL_SIZE), 1),
             step: Mat::zeros(size, 1),
             correction: Mat::zeros(size, 1),
             tail_step: vec![c64::ZERO; entries],
@@ -264,6 +268,7 @@ fn newton_step(
     let size = task.size();
     let tail = load_residual(task, buffers, &mut newton.step, Some(&mut newton.tail_step));
     if !factored {
+        newton.lu.reserve(size);
         match criteria.jacobian {
             Jacobian::Analytic => balance.jacobian(point, *core, *homotopy, buffers, &mut newton.lu.matrix),
             Jacobian::Difference => difference_jacobian(task, unknowns, buffers, newton),

@@ -130,6 +130,7 @@ impl Plan {
     /// dof with itself.
     pub fn new(problem: &Problem, settings: &Settings) -> Result<Self, PlanError> {
         check(problem, settings)?;
+        check_size(problem, settings)?;
         let contacts = problem.contacts.clone();
         let nature = |c: &Contact| c.law.nature();
         let mean_is_free = contacts.iter().all(|c| !nature(c).determines_mean);
@@ -311,6 +312,34 @@ fn ladder(harmonics: &Harmonics) -> Vec<usize> {
     let below = (1..usize::BITS).map(|b| (1_usize << b) - 1).take_while(|n| *n < highest);
     below.filter(|n| *n >= lowest).chain([highest]).collect()
 }
+
+/// The most bytes that a factorisation and the receptances of one thread may take.
+const MOST_BYTES: f64 = 4e9;
+
+/// Refuses what would not fit into memory before anything is allocated.
+fn check_size(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
+    let (contacts, dofs) = (problem.contacts.len() as f64, problem.model.dofs() as f64);
+    // Sized as if no harmonic could be left out or slaved.
+    let harmonics = settings.harmonics as f64;
+    let unknowns = 2.0 * (harmonics + 1.0) * contacts;
+    let outputs = problem.output.len() as f64;
+    let bytes = 8.0 * unknowns * unknowns
+        + 16.0 * 2.0 * harmonics * contacts * (contacts + outputs)
+        + 16.0 * dofs * (dofs + contacts);
+    if bytes > MOST_BYTES && unknowns > SAFE_UNKNOWNS {
+        let problem = format!(
+            "{} harmonics at {} contacts would take {:.0} GB of memory a thread; ask for fewer",
+            settings.harmonics,
+            problem.contacts.len(),
+            bytes / 1e9
+        );
+        return Err(PlanError { place: "harmonics".into(), problem });
+    }
+    Ok(())
+}
+
+/// So many real unknowns always fit.
+const SAFE_UNKNOWNS: f64 = 16_384.0;
 
 fn check(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
     let error = |place: String, problem: String| Err(PlanError { place, problem });

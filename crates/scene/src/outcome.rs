@@ -63,6 +63,9 @@ pub struct Point {
     /// Relative residuals of the last attempt of a failed point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual_history: Option<Vec<f64>>,
+    /// What was tried before a point was given up, in order.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tried: Option<Vec<&'static str>>,
     /// Estimated relative l2 error of the displacement spectrum from having stopped at N, the worst of the dofs; `None`
     /// where no estimate was made.
     pub truncation_error: Option<f64>,
@@ -233,6 +236,7 @@ impl<'a> Names<'a> {
             residual: solution.residual,
             reason,
             residual_history: (!solved).then(|| solution.residual_history.clone()),
+            tried: (!solved).then(|| tried(&solution.stats)),
             truncation_error: solution.truncation_error,
             sampling_error: solution.sampling_error,
             solutions: solution.solutions,
@@ -257,4 +261,21 @@ impl<'a> Names<'a> {
             extrapolated: contact.extrapolated,
         }
     }
+}
+
+/// The starts and fallbacks of a point, in the order of the solver.
+fn tried(stats: &hbm::Stats) -> Vec<&'static str> {
+    let all = [
+        ("ladder of harmonics", stats.rungs),
+        ("smaller rungs", stats.extra_rungs),
+        ("homotopy from secant stiffnesses", stats.secant_homotopies),
+        ("homotopy in the contact stiffness", stats.stiffness_homotopies),
+        ("homotopy in the contact force", stats.contact_homotopies),
+        ("homotopy in the excitation", stats.excitation_homotopies),
+        ("homotopy in the damping", stats.damping_homotopies),
+        ("homotopy along its arc", stats.arclength_homotopies),
+        ("perturbed starts", stats.perturbed_starts),
+        ("detours over other frequencies", stats.detours),
+    ];
+    all.into_iter().filter(|(_, count)| *count > 0).map(|(name, _)| name).collect()
 }
