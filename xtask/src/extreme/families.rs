@@ -134,7 +134,7 @@ impl Frame {
         }
     }
 
-    /// A chain: ground, springs[0], mass[0], springs[1], mass[1], …; contact at the first mass, excitation at the last.
+    /// A chain: ground, the first spring, the first mass, the second spring, …; contact at the first mass, excitation at the last.
     fn case(&self, draw: &mut Draw) -> Case {
         let n = self.mass.len();
         let mut stiffness = vec![vec![0.0; n]; n];
