@@ -243,6 +243,23 @@ fn one_contact_is_held_while_another_slides() {
     assert!(distance(&both.displacement[1..], &alone.displacement) < 1e-10);
 }
 
+/// What would not fit into memory is refused when it is planned, not met while it is solved.
+#[test]
+fn sizes_beyond_memory_are_refused() {
+    let one = scene_r();
+    assert!(Plan::new(&one, &Settings::new(4095)).is_ok());
+    let mut many = one.clone();
+    let contact = many.contacts[0].clone();
+    many.contacts = (0..40).map(|i| Contact { name: format!("root[{i}]"), ..contact.clone() }).collect();
+    assert!(Plan::new(&many, &Settings::new(7)).is_ok());
+    let error = Plan::new(&many, &Settings::new(511)).unwrap_err();
+    assert_eq!(error.place, "harmonics");
+    assert!(
+        error.problem.contains("511 harmonics at 40 contacts") && error.problem.contains("GB"),
+        "{error}"
+    );
+}
+
 /// An undamped mass on a spring, exactly at its resonance, with any law.
 fn at_resonance(law: Arc<dyn Law>) -> (Problem, f64) {
     let problem = Problem {
