@@ -1,16 +1,6 @@
-//! Misuse: a model or a problem that cannot be solved as posed.
+//! Misuse: a problem that cannot be solved as posed.
 
 use thiserror::Error;
-
-/// A model that is none. `matrix` names the offending one as a scene does.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{matrix}: {problem}")]
-pub struct ModelError {
-    /// `mass`, `damping` or `stiffness`.
-    pub matrix: &'static str,
-    /// What is wrong, with place and value.
-    pub problem: String,
-}
 
 /// A problem that cannot be planned. `place` is its path in a scene.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -10,6 +10,7 @@
 //! given as it acts **on the first body** of the contact: it opposes the motion.
 
 mod balance;
+mod condensation;
 mod continuation;
 mod course;
 mod dense;
@@ -19,7 +20,6 @@ mod estimate;
 mod harmonics;
 mod holding;
 mod ladder;
-mod model;
 mod newton;
 mod pieces;
 mod plan;
@@ -30,7 +30,6 @@ mod scalar;
 mod settings;
 mod solution;
 mod solve;
-mod structure;
 mod sweep;
 mod transform;
 #[cfg(test)]
@@ -38,10 +37,10 @@ mod verification;
 mod waveform;
 
 pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, entry_curve, frequency_curve};
-pub use error::{ModelError, PlanError};
-pub use model::{Damping, Model};
+pub use error::PlanError;
 pub use plan::{Plan, PlanFacts, Workspace};
 pub use problem::{Contact, Excitation, ExcitationKind, Problem};
 pub use settings::{Jacobian, Settings, Start};
 pub use solution::{ContactSolution, FailureReason, Solution, Stats, Status, Waveform, WaveformContact};
+pub use structure::{Damping, Model, ModelError};
 pub use sweep::{POINTS_A_TASK, Sweep, SweepOptions, sweep};

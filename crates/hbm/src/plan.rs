@@ -4,6 +4,7 @@ use contact::TurningPoints;
 use faer::{Mat, c64};
 
 use crate::balance::{Balance, BalanceBuffers};
+use crate::condensation::{Condensed, Structure};
 use crate::dense::Lu;
 use crate::error::PlanError;
 use crate::harmonics::Harmonics;
@@ -12,7 +13,6 @@ use crate::point::Point;
 use crate::problem::{Contact, ExcitationKind, Problem};
 use crate::settings::{Settings, Start};
 use crate::solution::Stats;
-use crate::structure::{Condensed, Structure};
 use crate::transform::Transform;
 
 /// What a plan uses and what it leaves out, for a reader.
@@ -361,8 +361,12 @@ fn check(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
         if !excitation.amplitude.is_finite() || !excitation.phase.is_finite() {
             return error(format!("excitation[{i}]"), "amplitude and phase must be finite".into());
         }
-        if excitation.kind != ExcitationKind::Base && excitation.dof >= n {
-            return error(format!("excitation[{i}].dof"), format!("the model has {n} dofs"));
+        let (known, of_what) = match excitation.kind {
+            ExcitationKind::Base => (problem.model.base_loads().len(), "base motions"),
+            ExcitationKind::Force | ExcitationKind::Unbalance => (n, "dofs"),
+        };
+        if excitation.dof >= known {
+            return error(format!("excitation[{i}].dof"), format!("the model has {known} {of_what}"));
         }
     }
     for (i, contact) in problem.contacts.iter().enumerate() {

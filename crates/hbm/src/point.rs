@@ -4,7 +4,7 @@
 //! r_k = (û_k + Ĝ_k (μ F̂_k(û) − Ŝ_k û_k) − η û⁰_k) / (1 + |Ĝ_k|) = 0
 //! ```
 //!
-//! Ŝ is zero but where the structure is singular (see `structure`).
+//! Ŝ is zero but where the structure is singular (see `condensation`).
 //!
 //! The row factor 1/(1 + |Ĝ|) makes the residual a displacement where the contact is soft against the structure and a
 //! force where it is stiff, so that neither loses digits and nothing is divided by a receptance that may vanish.
@@ -14,9 +14,9 @@ use std::ops::Range;
 use contact::Law;
 use faer::{Mat, c64};
 
+use crate::condensation::Condensed;
 use crate::dense::Lu;
 use crate::problem::Contact;
-use crate::structure::Condensed;
 
 /// Dimensionless balance of the active contacts at one frequency; buffers are reused.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use contact::Law;
 
-use crate::model::Model;
+use structure::Model;
 
 /// What the amplitude of an excitation means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -12,7 +12,8 @@ pub enum ExcitationKind {
     /// A force on one dof; amplitude in N.
     #[default]
     Force,
-    /// A base acceleration; amplitude in m/s²; acts as −M·1 on all dofs, whose displacements are relative to the base.
+    /// A base acceleration; amplitude in m/s²; acts as −M·r on all dofs, whose displacements are
+    /// relative to the base; r = 1 unless the model has other base motions.
     Base,
     /// A rotating unbalance on one dof; amplitude in kg m, force amplitude · Ω².
     Unbalance,
@@ -21,7 +22,7 @@ pub enum ExcitationKind {
 /// `amplitude · cos(harmonic · Ωt + phase)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excitation {
-    /// Excited dof; ignored for [`ExcitationKind::Base`].
+    /// Excited dof; for [`ExcitationKind::Base`] which of [`Model::base_loads`], 0 in most models.
     pub dof: usize,
     /// Harmonic of Ω; 0 is a static load.
     pub harmonic: usize,

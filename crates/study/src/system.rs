@@ -38,10 +38,10 @@ fn loads(entry: &Excitation, omega: f64, model: &hbm::Model) -> Vec<Load> {
     match entry.kind {
         ExcitationKind::Force => vec![on(entry.dof, amplitude)],
         ExcitationKind::Unbalance => vec![on(entry.dof, amplitude * omega * omega)],
-        // −M·1 on all dofs, whose displacements are relative to the base.
+        // −M·r on all dofs, whose displacements are relative to the base.
         ExcitationKind::Base => {
-            let inertia = |dof: usize| -> f64 { model.mass().row(dof).iter().sum() };
-            (0..model.dofs()).map(|dof| on(dof, -amplitude * inertia(dof))).collect()
+            let inertia = model.base_loads().get(entry.dof).into_iter().flatten().enumerate();
+            inertia.map(|(dof, inertia)| on(dof, -amplitude * inertia)).collect()
         }
     }
 }

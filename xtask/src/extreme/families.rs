@@ -411,6 +411,9 @@ fn excitation(draw: &mut Draw, index: usize) -> Case {
             };
             case.loads[0].kind = kind;
             case.loads[0].amplitude /= unit;
+            if kind == ExcitationKind::Base {
+                case.loads[0].dof = 0;
+            }
         }
     }
     // Only its odd motion is known to the judge for the smooth Iwan law; a softening spring needs one too.

@@ -130,7 +130,6 @@ fn paths_to_ground(problem: &Problem) -> Vec<Option<Vec<(usize, f64)>>> {
 impl Structure {
     pub(crate) fn new(problem: &Problem, harmonics: &Harmonics) -> Self {
         let model = &problem.model;
-        let n = model.dofs();
         let mut loads = vec![Vec::new(); harmonics.orders.len()];
         for excitation in problem.excitation.iter().filter(|e| e.amplitude != 0.0) {
             let Some(slot) = harmonics.orders.iter().position(|&k| k == excitation.harmonic) else {
@@ -145,16 +144,17 @@ impl Structure {
             match excitation.kind {
                 ExcitationKind::Force => loads.push(Load { dof, amplitude, grows: false }),
                 ExcitationKind::Unbalance => loads.push(Load { dof, amplitude, grows: true }),
-                ExcitationKind::Base => loads.extend((0..n).map(|dof| {
-                    let inertia: f64 = (0..n).map(|j| model.mass[(dof, j)]).sum();
-                    Load { dof, amplitude: -amplitude * inertia, grows: false }
-                })),
+                ExcitationKind::Base => {
+                    let inertia = model.base_loads().get(dof).into_iter().flatten().enumerate();
+                    let load = |(dof, inertia)| Load { dof, amplitude: -amplitude * inertia, grows: false };
+                    loads.extend(inertia.map(load));
+                }
             }
         }
         Self {
-            mass: model.mass.clone(),
-            damping: model.damping.clone(),
-            stiffness: model.stiffness.clone(),
+            mass: model.mass().clone(),
+            damping: model.damping().clone(),
+            stiffness: model.stiffness().clone(),
             contacts: problem.contacts.iter().map(|c| (c.first, c.second)).collect(),
             contact_stiffness: problem.contacts.iter().map(own_stiffness).collect(),
             outputs: problem.output.clone(),

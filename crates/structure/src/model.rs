@@ -23,9 +23,10 @@ pub enum Damping {
 /// A linear structure with n dofs.
 #[derive(Debug, Clone)]
 pub struct Model {
-    pub(crate) mass: Mat<f64>,
-    pub(crate) damping: Mat<f64>,
-    pub(crate) stiffness: Mat<f64>,
+    mass: Mat<f64>,
+    damping: Mat<f64>,
+    stiffness: Mat<f64>,
+    base_loads: Vec<Vec<f64>>,
 }
 
 /// Relative asymmetry that is taken for rounding in a file.
@@ -54,7 +55,28 @@ impl Model {
             }
             Damping::ModalRatio(ratio) => modal_damping(&mass, &stiffness, ratio)?,
         };
-        Ok(Self { mass, damping, stiffness })
+        let base_load = (0..n).map(|i| (0..n).map(|j| mass[(i, j)]).sum()).collect();
+        Ok(Self { mass, damping, stiffness, base_loads: vec![base_load] })
+    }
+
+    /// The same structure with other base motions: for each of them M r in kg, where r is the displacement of every dof
+    /// that goes with a unit displacement of the base. A base acceleration a acts as −M r a. Without this there is one:
+    /// every dof moves with the base, r = 1.
+    ///
+    /// # Errors
+    /// A vector that has not one finite number a dof.
+    pub fn with_base_loads(mut self, base_loads: Vec<Vec<f64>>) -> Result<Self, ModelError> {
+        let n = self.dofs();
+        if base_loads.iter().any(|load| load.len() != n || load.iter().any(|x| !x.is_finite())) {
+            return Err(ModelError::new("mass", format!("base loads must have {n} finite numbers")));
+        }
+        self.base_loads = base_loads;
+        Ok(self)
+    }
+
+    /// M r in kg of every base motion.
+    pub fn base_loads(&self) -> &[Vec<f64>] {
+        &self.base_loads
     }
 
     /// M in kg.
@@ -94,7 +116,7 @@ impl Model {
 
     /// Natural frequencies in Hz of the structure with `springs` (first dof, second dof or the ground, N/m) added, each
     /// with its half-power bandwidth φᵀ D φ/(2π φᵀ M φ) in Hz.
-    pub(crate) fn modes_with(&self, springs: &[(usize, Option<usize>, f64)]) -> Vec<(f64, f64)> {
+    pub fn modes_with(&self, springs: &[(usize, Option<usize>, f64)]) -> Vec<(f64, f64)> {
         let mut stiffness = self.stiffness.clone();
         for &(first, second, k) in springs {
             stiffness[(first, first)] += k;
