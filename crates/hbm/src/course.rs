@@ -346,7 +346,8 @@ mod tests {
                 scale: 1.5,
             };
             let amplitude = if kind == ExcitationKind::Unbalance { 2e-4 } else { 20.0 };
-            let excitation = Excitation { dof: 1, harmonic: 1, amplitude, phase: 0.3, kind };
+            let dof = usize::from(kind != ExcitationKind::Base);
+            let excitation = Excitation { dof, harmonic: 1, amplitude, phase: 0.3, kind };
             let problem = Problem {
                 model: Model::new(
                     mat![[2.0, 0.0], [0.0, 1.0]],
