@@ -4,10 +4,23 @@
 //! [`SparseModel`], from Matrix Market or NumPy files, and is reduced onto the dofs that carry contacts, excitation and
 //! output. Dofs are counted from zero; SI units.
 
+mod boundary;
+mod checks;
+mod entries;
 mod error;
+mod matrix_file;
+mod matrix_market;
 mod model;
+mod npy;
+mod npz;
 mod sparse;
+mod triangle;
 
+pub use boundary::MOST_DENSE_DOFS;
 pub use error::ModelError;
+pub use matrix_file::{MatrixFile, MatrixFileError, MatrixNote};
+pub use matrix_market::{parse_matrix_market, read_matrix_market};
 pub use model::{Damping, Model};
+pub use npy::{parse_npy, read_npy};
+pub use npz::{parse_npz, read_npz};
 pub use sparse::{SparseDamping, SparseModel};
