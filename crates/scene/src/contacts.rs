@@ -4,7 +4,7 @@ use hbm::Contact;
 
 use crate::error::SceneError;
 use crate::law;
-use crate::model::{Dofs, GROUND};
+use crate::dofs::{Dofs, GROUND};
 use crate::read::Node;
 use crate::records::Records;
 
