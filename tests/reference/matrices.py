@@ -39,6 +39,12 @@ sp.save_npz(folder / "csr_order.npz", sp.csr_matrix(order))
 sp.save_npz(folder / "dia.npz", sp.dia_matrix(chain))
 sp.save_npz(folder / "lower.npz", sp.tril(chain).tocsc())
 
+# One dof, called a.
+np.save(folder / "single.npy", np.eye(1))
+np.savez(folder / "single.npz", K=np.eye(1))
+scipy.io.mmwrite(folder / "single.mtx", sp.eye(1).tocoo())
+(folder / "single.txt").write_text("# the only dof\na\n")
+
 scipy.io.mmwrite(folder / "symmetric.mtx", sp.coo_matrix(chain), symmetry="symmetric")
 scipy.io.mmwrite(folder / "general.mtx", sp.coo_matrix(chain), symmetry="general")
 scipy.io.mmwrite(folder / "array.mtx", chain)

@@ -99,11 +99,10 @@ fn words(end: CurveEnd) -> (&'static str, &'static str) {
 }
 
 /// The frequencies between which a curve runs.
-fn frequencies(along: Along, (from, to): (f64, f64)) -> Result<Frequencies, SceneError> {
-    let refused = |error| SceneError::entry("frequencies", format!("{error}"));
+fn frequencies(along: Along, (from, to): (f64, f64)) -> Frequencies {
     match along {
-        Along::Entry { frequency, .. } => Frequencies::one(frequency).map_err(refused),
-        Along::Frequency => Frequencies::list(vec![from.min(to), from.max(to)]).map_err(refused),
+        Along::Entry { frequency, .. } => Frequencies::ends(frequency, frequency),
+        Along::Frequency => Frequencies::ends(from.min(to), from.max(to)),
     }
 }
 
@@ -120,14 +119,14 @@ impl Scene {
         options: &ContinuationOptions,
     ) -> Result<CurveOutcome, SceneError> {
         let began = Instant::now();
-        let scene = self.clone().with_frequencies(frequencies(along, range)?);
+        let scene = self.clone().with_frequencies(frequencies(along, range));
         let posed = scene.posed(&mut |_| ())?;
         let curve = match (along, variants) {
             (Along::Entry { pointer, frequency }, Some(variants)) => {
                 let problem = |value: f64| {
                     let scene = variants.scene(&[(pointer, value)]).ok()?;
                     let scene = scene.with_harmonics(self.harmonics()).ok()?;
-                    let scene = scene.with_frequencies(Frequencies::one(frequency).ok()?);
+                    let scene = scene.with_frequencies(frequencies(along, range));
                     Some(scene.recovering(self.output.clone()).problem().ok()?.clone())
                 };
                 hbm::entry_curve(&problem, frequency, &self.settings, range, options)

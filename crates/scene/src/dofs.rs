@@ -47,20 +47,14 @@ impl Dofs {
 
     /// Reads `dofs`: a list of names, or a file with one a line.
     pub(crate) fn read(node: &Node, records: &Records) -> Result<Self, SceneError> {
-        let named = if node.is_object() {
-            let file = node.object("file: names, one a line", &FILE_KEYS)?.need("file", "\"names.txt\"")?;
-            let of = |(line, name)| (name, file.clone(), Some(line));
-            names(&file, records)?.into_iter().map(of).collect::<Vec<_>>()
-        } else {
-            let of = |item: Node<'_>| Ok((item.text("the name of a dof")?.to_owned(), item, None));
-            node.some("of names, one a dof")?.into_iter().map(of).collect::<Result<Vec<_>, SceneError>>()?
-        };
+        let form = "names, one a dof: a list, or {\"file\": \"names.txt\"}";
+        let named = given(node, form, records)?;
+        if named.is_empty() {
+            return Err(node.error("must not be empty"));
+        }
         let mut places = HashMap::with_capacity(named.len());
-        for (i, (name, node, line)) in named.iter().enumerate() {
-            let wrong = |problem: String| match line {
-                Some(line) => node.error(format!("line {line}: {problem}")),
-                None => node.error(problem),
-            };
+        for (i, (name, place)) in named.iter().enumerate() {
+            let wrong = |problem: String| place.error(problem);
             if name == GROUND {
                 return Err(wrong("\"ground\" is what does not move; give the dof another name".into()));
             }
@@ -68,26 +62,20 @@ impl Dofs {
                 return Err(wrong(format!("there is a dof {name:?} already; names must differ")));
             }
         }
-        let free: Vec<String> = named.into_iter().map(|(name, _, _)| name).collect();
+        let free: Vec<String> = named.into_iter().map(|(name, _)| name).collect();
         let numbers = (0..free.len()).map(Some).collect();
         Ok(Self(Arc::new(Table { free, all: Vec::new(), places, numbers })))
     }
 
     /// The same dofs with those held that `fixed` names: a list of names and patterns (`12:*`), or a file of them.
     pub(crate) fn hold(self, fixed: &Node, records: &Records) -> Result<Self, SceneError> {
-        let patterns = if fixed.is_object() {
-            let file = fixed.object("file: names of held dofs, one a line", &FILE_KEYS)?;
-            let file = file.need("file", "\"fixed.txt\"")?;
-            let of = |(line, name)| (name, file.clone(), Some(line));
-            names(&file, records)?.into_iter().map(of).collect::<Vec<_>>()
-        } else if fixed.is_list() {
-            let of = |item: Node<'_>| Ok((item.text("the name of a dof")?.to_owned(), item, None));
-            fixed.list("of names of held dofs")?.into_iter().map(of).collect::<Result<Vec<_>, SceneError>>()?
-        } else {
-            vec![(fixed.text("a list of names of held dofs, or a pattern such as \"12:*\"")?.to_owned(), fixed.clone(), None)]
+        let form = "names of held dofs and patterns such as \"12:*\": a list, or {\"file\": \"fixed.txt\"}";
+        let patterns = match fixed.text("") {
+            Ok(pattern) => vec![(pattern.to_owned(), Place { node: fixed.clone(), line: None })],
+            Err(_) => given(fixed, form, records)?,
         };
         let mut held = vec![false; self.everything()];
-        for (pattern, node, line) in &patterns {
+        for (pattern, place) in &patterns {
             let found = if pattern.contains('*') {
                 let mut any = false;
                 for (name, held) in self.all().iter().zip(&mut held).filter(|(name, _)| fits(pattern, name)) {
@@ -100,8 +88,7 @@ impl Dofs {
                 place.and_then(|place| held.get_mut(*place)).map(|held| *held = true).is_some()
             };
             if !found {
-                let at = line.map_or(String::new(), |line| format!("line {line}: "));
-                return Err(node.error(format!("{at}{}", self.unknown(pattern))));
+                return Err(place.error(self.unknown(pattern)));
             }
         }
         if held.iter().all(|held| *held) {
@@ -178,7 +165,9 @@ impl Dofs {
     pub(crate) fn find(&self, name: &str) -> Result<usize, String> {
         match self.0.places.get(name).and_then(|place| self.0.numbers.get(*place)) {
             Some(Some(number)) => Ok(*number),
-            Some(None) => Err(format!("dof {name:?} is held by model.fixed and does not move; it is part of \"ground\"")),
+            Some(None) => Err(format!(
+                "dof {name:?} is held by model.fixed and does not move; it is part of \"ground\""
+            )),
             None => Err(self.unknown(name)),
         }
     }
@@ -194,8 +183,10 @@ impl Dofs {
             return format!("no dof in model.dofs fits {name:?}; {}", self.known(name, &[]));
         }
         // The nearest of all names, and the first of them.
-        let nearest = all.iter().map(|known| (strsim::damerau_levenshtein(name, known), known.as_str())).min();
-        let known: Vec<&str> = nearest.map(|(_, nearest)| nearest).into_iter().filter(|_| all.len() > SHOWN).collect();
+        let nearest =
+            all.iter().map(|known| (strsim::damerau_levenshtein(name, known), known.as_str())).min();
+        let known: Vec<&str> =
+            nearest.map(|(_, nearest)| nearest).into_iter().filter(|_| all.len() > SHOWN).collect();
         format!("there is no dof {name:?} in model.dofs; {}", self.known(name, &known))
     }
 
@@ -209,6 +200,40 @@ impl Dofs {
             _ => suggested,
         }
     }
+}
+
+/// Where a name stands: an item of a list, or a line of a file.
+struct Place<'a> {
+    node: Node<'a>,
+    line: Option<usize>,
+}
+
+impl Place<'_> {
+    fn error(&self, problem: String) -> SceneError {
+        match self.line {
+            Some(line) => self.node.error(format!("line {line}: {problem}")),
+            None => self.node.error(problem),
+        }
+    }
+}
+
+/// The names in a list or in a file.
+fn given<'a>(node: &Node<'a>, form: &str, records: &Records) -> Result<Vec<(String, Place<'a>)>, SceneError> {
+    let mut named = Vec::new();
+    if node.is_object() {
+        let file = node.object("file: names, one a line", &FILE_KEYS)?.need("file", "\"names.txt\"")?;
+        for (line, name) in names(&file, records)? {
+            named.push((name, Place { node: file.clone(), line: Some(line) }));
+        }
+        return Ok(named);
+    }
+    if !node.is_list() {
+        return Err(node.must_be(form));
+    }
+    for item in node.list("of names")? {
+        named.push((item.text("the name of a dof")?.to_owned(), Place { node: item, line: None }));
+    }
+    Ok(named)
 }
 
 /// Whether a name fits a pattern, in which `*` stands for anything.

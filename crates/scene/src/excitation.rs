@@ -2,9 +2,9 @@
 
 use hbm::{Excitation, ExcitationKind};
 
+use crate::dofs::Dofs;
 use crate::error::SceneError;
 use crate::harmonics::MOST_HARMONICS;
-use crate::dofs::Dofs;
 use crate::read::{Node, Object, suggestion};
 
 pub(crate) const KEYS: [&str; 6] = ["dof", "harmonic", "amplitude", "phase", "kind", "direction"];
@@ -30,8 +30,10 @@ pub(crate) fn read(node: &Node, dofs: &Dofs) -> Result<Excitations, SceneError> 
 }
 
 fn read_one(node: &Node, dofs: &Dofs, all: &mut Excitations) -> Result<Excitation, SceneError> {
-    let entry =
-        node.object("dof, amplitude and, where they differ from the usual, harmonic, phase, kind, direction", &KEYS)?;
+    let entry = node.object(
+        "dof, amplitude and, where they differ from the usual, harmonic, phase, kind, direction",
+        &KEYS,
+    )?;
     let kind = match entry.get("kind") {
         Some(kind) => kind.choice(&[
             ("force", ExcitationKind::Force),
@@ -44,7 +46,10 @@ fn read_one(node: &Node, dofs: &Dofs, all: &mut Excitations) -> Result<Excitatio
         entry.without(&["dof"], "a base acceleration acts on every dof; leave \"dof\" out")?;
         base(&entry, dofs, all)?
     } else {
-        entry.without(&["direction"], "belongs to a base acceleration; the name of the dof says where a force acts")?;
+        entry.without(
+            &["direction"],
+            "belongs to a base acceleration; the name of the dof says where a force acts",
+        )?;
         dofs.index(&entry.need("dof", "the name of the excited dof")?)?
     };
     let amplitude =

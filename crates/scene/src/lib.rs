@@ -51,13 +51,13 @@ mod sparse;
 mod structure;
 mod variants;
 
+pub use ::structure::Progress;
 pub use curve::{Along, CurveOutcome, CurveOutcomePoint};
 pub use error::SceneError;
 pub use explain::Step;
 pub use frequencies::{BadFrequencies, Frequencies};
 pub use harmonics::{BadHarmonics, Harmonics};
-pub use ::structure::Progress;
-pub use hbm::{ContinuationOptions, SweepOptions as RunOptions};
+pub use hbm::{ContinuationOptions, Problem, SweepOptions as RunOptions};
 pub use layout::write_json;
 pub use outcome::{ContactPoint, Named, Outcome, Point, Spectrum, Timing};
 pub use reduction::ReductionFacts;

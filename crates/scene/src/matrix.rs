@@ -15,8 +15,7 @@ pub(crate) const NPZ_KEYS: [&str; 2] = ["npz", "entry"];
 /// Keys of an object that stands for a matrix.
 const FILES: [&str; 3] = ["matrix_market", "npy", "npz"];
 
-const FORM: &str =
-    "rows of numbers, {\"matrix_market\": \"K.mtx\"}, {\"npy\": \"K.npy\"} or {\"npz\": \"K.npz\", \"entry\": \"K\"}";
+const FORM: &str = "rows of numbers, {\"matrix_market\": \"K.mtx\"}, {\"npy\": \"K.npy\"} or {\"npz\": \"K.npz\", \"entry\": \"K\"}";
 
 /// A square matrix as it was given.
 #[derive(Debug, Clone)]
@@ -80,7 +79,8 @@ fn read_file<'a>(node: &Node<'a>, records: &Records) -> Result<FileAndMatrix<'a>
     if node.peek("npz").is_some() {
         let npz = node.object(FORM, &NPZ_KEYS)?;
         let file = npz.need("npz", "\"K.npz\"")?;
-        let entry = npz.get("entry").map(|entry| entry.text("the name of an array in the file")).transpose()?;
+        let entry =
+            npz.get("entry").map(|entry| entry.text("the name of an array in the file")).transpose()?;
         let matrix = structure::read_npz(&path(&file)?, entry);
         return Ok((file, matrix));
     }

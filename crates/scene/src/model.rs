@@ -55,7 +55,10 @@ fn matrices(model: &Object, records: &Records, notes: &mut Vec<String>) -> Resul
         Some(dofs) => dofs,
         // Names of small matrices are a matter of course, and forgotten ones an error.
         None if mass.is_dense() => {
-            return Err(model.need("dofs", "[\"w1\", \"w2\"]").err().unwrap_or_else(|| model.error("has no dofs")));
+            return Err(model
+                .need("dofs", "[\"w1\", \"w2\"]")
+                .err()
+                .unwrap_or_else(|| model.error("has no dofs")));
         }
         None => Dofs::counted(mass.size()),
     };

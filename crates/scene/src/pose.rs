@@ -1,7 +1,7 @@
 //! From the wish to the problem: the dofs that matter are kept, a large structure is reduced onto them.
 
 use hbm::{Contact, Excitation, ExcitationKind, Model, Problem};
-use structure::Progress;
+use structure::{ModeCount, Progress};
 
 use crate::error::SceneError;
 use crate::reduction::{Reduced, ReductionFacts};
@@ -36,7 +36,10 @@ impl Scene {
             Structure::Sparse(sparse) => {
                 let keep = kept(&self.excitation, &self.contacts, &self.output);
                 let Some(reduced) = sparse.reduced(keep, &self.directions, self.range(), progress)? else {
-                    return Ok(Posed { problem: self.problem_of(sparse.full(&self.directions)?, Some), reduced: None });
+                    return Ok(Posed {
+                        problem: self.problem_of(sparse.full(&self.directions)?, Some),
+                        reduced: None,
+                    });
                 };
                 // Kept dofs come first.
                 let number = |dof: usize| reduced.key.keep.binary_search(&dof).ok();
@@ -83,12 +86,15 @@ impl Posed {
 
     /// What a user should know about the reduction.
     pub(crate) fn notes(&self) -> Vec<String> {
-        let reduction = self.reduced.as_ref().map(|reduced| &reduced.reduction);
-        let note = reduction.and_then(|reduction| reduction.stopped.as_ref().zip(reduction.error));
-        note.map(|(why, error)| {
-            format!("model.reduction: the error of the reduced structure is estimated at {error:.1e}: {why}")
-        })
-        .into_iter()
-        .collect()
+        let Some(Reduced { key, reduction }) = &self.reduced else { return Vec::new() };
+        let ModeCount::Automatic { tolerance } = key.options.modes else { return Vec::new() };
+        let note = |error: &f64| {
+            let modes = reduction.modes;
+            format!(
+                "model.reduction: the response of the reduced structure has an error of {error:.1e} (estimate), not \
+                 {tolerance:e}; more than {modes} modes do not help"
+            )
+        };
+        reduction.error.iter().filter(|error| **error > tolerance).map(note).collect()
     }
 }

@@ -128,7 +128,8 @@ impl Sparse {
         }
         let loads = self.base_loads(directions);
         let made = structure::reduce(&self.model, &key.keep, &loads, &options, progress);
-        let reduction = Arc::new(made.map_err(|error| SceneError::entry("model.reduction", error.to_string()))?);
+        let reduction =
+            Arc::new(made.map_err(|error| SceneError::entry("model.reduction", error.to_string()))?);
         known.insert(0, (key.clone(), reduction.clone()));
         known.truncate(REMEMBERED);
         Ok(Some(Reduced { key, reduction }))

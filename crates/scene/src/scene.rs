@@ -157,7 +157,7 @@ impl Scene {
     ///
     /// # Errors
     /// When a name is no dof.
-    pub fn with_output(mut self, names: &[String]) -> Result<Self, SceneError> {
+    pub fn with_output(self, names: &[String]) -> Result<Self, SceneError> {
         let index = |name: &String| {
             self.structure.dofs().find(name).map_err(|problem| SceneError::entry("output", problem))
         };
@@ -217,7 +217,15 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] when the structure cannot be reduced.
     pub fn problem(&self) -> Result<&Problem, SceneError> {
-        Ok(&self.posed(&mut |_| ())?.problem)
+        self.problem_with(&mut |_| ())
+    }
+
+    /// Likewise, telling what is being done: a large structure takes its time.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the structure cannot be reduced.
+    pub fn problem_with(&self, progress: &mut dyn FnMut(Progress)) -> Result<&Problem, SceneError> {
+        Ok(&self.posed(progress)?.problem)
     }
 
     pub(crate) fn posed(&self, progress: &mut dyn FnMut(Progress)) -> Result<&Posed, SceneError> {
@@ -282,8 +290,7 @@ fn usual_output(excitation: &[Excitation], contacts: &[Contact], n: usize) -> Ve
         return (0..n).collect();
     }
     let touched = contacts.iter().flat_map(|contact| [Some(contact.first), contact.second]);
-    let shaken =
-        excitation.iter().filter(|e| e.kind != ExcitationKind::Base).map(|e| Some(e.dof));
+    let shaken = excitation.iter().filter(|e| e.kind != ExcitationKind::Base).map(|e| Some(e.dof));
     let mut output: Vec<usize> = touched.chain(shaken).flatten().collect();
     output.sort_unstable();
     output.dedup();

@@ -33,17 +33,6 @@ impl SparseModel {
         }
     }
 
-    /// M r in kg, where r is the displacement of every dof that goes with a unit displacement of the base.
-    pub fn base_load(&self, motion: &[f64]) -> Vec<f64> {
-        let mut load = vec![0.0; self.dofs()];
-        for (j, r) in motion.iter().enumerate().take(self.dofs()) {
-            for (i, mass) in column(&self.mass, j) {
-                load[i] += mass * r;
-            }
-        }
-        load
-    }
-
     /// The same structure with dense matrices.
     ///
     /// # Errors
@@ -65,6 +54,17 @@ impl SparseModel {
         };
         Model::new(self.mass.to_dense(), damping, self.stiffness.to_dense())
     }
+}
+
+/// A x of a square matrix, for example M r in kg: the load of a base whose unit displacement moves the dofs by r.
+pub fn times(matrix: &SparseColMat<usize, f64>, vector: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; matrix.nrows()];
+    for (j, x) in vector.iter().enumerate().take(matrix.ncols()) {
+        for (i, a) in column(matrix, j) {
+            product[i] += a * x;
+        }
+    }
+    product
 }
 
 /// Rows and columns that have a number, under their numbers.
@@ -100,7 +100,7 @@ mod tests {
         let mass = parse_matrix_market(text.as_bytes(), text.len() as u64).unwrap().matrix;
         let damping = SparseDamping::Matrix(mass.clone());
         let model = SparseModel::new(mass.clone(), damping, mass).unwrap();
-        assert_eq!(model.base_load(&[1.0, 0.0, 1.0]), [4.0, 3.0, 6.0]);
+        assert_eq!(times(&model.mass, &[1.0, 0.0, 1.0]), [4.0, 3.0, 6.0]);
         let fixed = model.fixed(&[true, false, false]);
         let dense = fixed.dense().unwrap();
         for matrix in [dense.mass(), dense.damping(), dense.stiffness()] {

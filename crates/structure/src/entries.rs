@@ -1,5 +1,6 @@
 //! Entries of a matrix in any order, and the compressed matrix they make.
 
+use faer::Mat;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 
 use crate::matrix_file::MatrixFileError;
@@ -127,6 +128,20 @@ fn counted(n: usize, keys: &[u32], items: impl Iterator<Item = usize> + Clone) -
         }
     }
     sorted
+}
+
+/// A dense square matrix without its zeros.
+pub fn compressed(matrix: &Mat<f64>) -> SparseColMat<usize, f64> {
+    let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for j in 0..matrix.ncols() {
+        for i in (0..matrix.nrows()).filter(|&i| matrix[(i, j)] != 0.0) {
+            rows.push(i);
+            values.push(matrix[(i, j)]);
+        }
+        starts.push(rows.len());
+    }
+    let (n, m) = (matrix.nrows(), matrix.ncols());
+    SparseColMat::new(SymbolicSparseColMat::new_checked(n, m, starts, None, rows), values)
 }
 
 /// The transpose, again with sorted rows.
