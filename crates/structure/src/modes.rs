@@ -97,7 +97,7 @@ impl<'a> Lanczos<'a> {
             while self.done < look && !self.complete {
                 self.step()?;
             }
-            let (thetas, vectors, residuals) = self.ritz()?;
+            let Ritz { thetas, vectors, residuals } = self.ritz()?;
             let squares: Vec<f64> = thetas.iter().map(|theta| self.sigma + 1.0 / theta).collect();
             let found =
                 residuals.iter().zip(&thetas).take_while(|(rest, theta)| **rest <= FOUND * **theta).count();
@@ -215,9 +215,8 @@ impl<'a> Lanczos<'a> {
         Ok((inside, corner))
     }
 
-    /// Eigenvalues θ of A in the span of V, descending and positive, their vectors in terms of V, and the M-norms of the
-    /// residuals.
-    fn ritz(&self) -> Result<(Vec<f64>, Mat<f64>, Vec<f64>), ReductionError> {
+    /// What V knows of the modes.
+    fn ritz(&self) -> Result<Ritz, ReductionError> {
         let m = self.done;
         let h = &self.projected;
         let symmetric = Mat::from_fn(m, m, |i, j| 0.5 * (h[(i, j)] + h[(j, i)]));
@@ -227,8 +226,16 @@ impl<'a> Lanczos<'a> {
         let outside = h.as_ref().submatrix(m, 0, self.held - m, m);
         let rest = outside * &vectors;
         let residuals = (0..order.len()).map(|k| rest.col(k).norm_l2()).collect();
-        Ok((order.iter().map(|&k| values[k]).collect(), vectors, residuals))
+        let thetas = order.iter().map(|&k| values[k]).collect();
+        Ok(Ritz { thetas, vectors, residuals })
     }
+}
+
+/// Approximate eigenvalues θ of A, descending and positive, with vectors in terms of V and residuals in the norm of M.
+struct Ritz {
+    thetas: Vec<f64>,
+    vectors: Mat<f64>,
+    residuals: Vec<f64>,
 }
 
 /// xᵢᵀ M yⱼ from x and M y.
@@ -269,14 +276,18 @@ fn normalise(block: &mut Mat<f64>, mut momenta: Mat<f64>, before: &[f64]) -> (Ma
 }
 
 /// Eigenvalues, ascending, and eigenvectors of a symmetric matrix.
-pub(crate) fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), ReductionError> {
+fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), ReductionError> {
     let n = matrix.nrows();
     let mut values = Diag::<f64>::zeros(n);
     let mut vectors = Mat::zeros(n, n);
+    // The decomposition neglects what is small against one, not against the matrix.
+    let size = matrix.norm_max().max(f64::MIN_POSITIVE);
+    let scaled = Mat::from_fn(n, n, |i, j| matrix[(i, j)] / size);
     let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
     let mut scratch = MemBuffer::try_new(scratch).map_err(|_| ReductionError::Memory)?;
     let stack = MemStack::new(&mut scratch);
-    self_adjoint_evd(matrix, values.as_mut(), Some(vectors.as_mut()), Par::Seq, stack, Default::default())
+    let (into, vectors_into) = (values.as_mut(), Some(vectors.as_mut()));
+    self_adjoint_evd(scaled.as_ref(), into, vectors_into, Par::Seq, stack, Default::default())
         .map_err(|_| ReductionError::Modes { found: 0, of: n })?;
-    Ok((values.column_vector().iter().copied().collect(), vectors))
+    Ok((values.column_vector().iter().map(|value| value * size).collect(), vectors))
 }

@@ -185,7 +185,7 @@ fn respond(
         if change <= 1e-13 * size {
             return Ok(Some(Mat::from_fn(n, columns, |i, j| c64::new(real[(i, j)], imaginary[(i, j)]))));
         }
-        if !(size <= 1e6 * undamped.norm_l2()) {
+        if !size.is_finite() || size > 1e6 * undamped.norm_l2() {
             break;
         }
     }
