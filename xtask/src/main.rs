@@ -17,6 +17,7 @@ mod paper;
 mod reconstruct;
 mod record_family;
 mod reference_loop;
+mod scaling;
 mod synthetic_loop;
 mod truths;
 
@@ -43,6 +44,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
   loop-family FILE…        the same question to measured records at several amplitudes; prints a table
   loop-series FOLDER       writes synthetic records at eight amplitudes that follow the paper's scaling laws
+  scaling                  how the cost grows with dofs, contacts, harmonics, points: docs/src/growth.md (release build)
+  scaling --draw           figure and page once more from the measured data
   reference-loop           writes scenes/loops/reference.csv
   … --check                fails unless what one of reference-loop, iwan and loop-family writes and prints is in the repository";
 
@@ -77,6 +80,8 @@ fn run() -> Result<()> {
         ["figures", "--check"] => figures::check(&root()),
         ["reconstruct"] => reconstruct::write(&root()),
         ["reconstruct", "--check"] => reconstruct::check(&root()),
+        ["scaling"] => scaling::run(&root()),
+        ["scaling", "--draw"] => scaling::draw(&root()),
         ["reference-loop"] => reference_loop::write(&root()),
         ["reference-loop", "--check"] => reference_loop::check(&root()),
         _ => bail!("{USAGE}"),

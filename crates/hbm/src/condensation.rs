@@ -164,6 +164,11 @@ impl Structure {
         }
     }
 
+    /// Number of dofs.
+    pub(crate) fn dofs(&self) -> usize {
+        self.mass.nrows()
+    }
+
     /// Contacts whose relative displacements, with these signs, add up to output dof `o`.
     pub(crate) fn path_to_ground(&self, o: usize) -> Option<&[(usize, f64)]> {
         self.paths.get(o)?.as_deref()

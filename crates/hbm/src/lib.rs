@@ -43,4 +43,4 @@ pub use problem::{Contact, Excitation, ExcitationKind, Problem};
 pub use settings::{Jacobian, Settings, Start};
 pub use solution::{ContactSolution, FailureReason, Solution, Stats, Status, Waveform, WaveformContact};
 pub use structure::{Damping, Model, ModelError};
-pub use sweep::{POINTS_A_TASK, Sweep, SweepOptions, sweep};
+pub use sweep::{Sweep, SweepOptions, sweep};
