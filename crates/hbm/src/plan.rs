@@ -13,6 +13,7 @@ use crate::matrices::Matrices;
 use crate::newton::{Criteria, NewtonBuffers};
 use crate::point::Point;
 use crate::problem::{Contact, ExcitationKind, Problem};
+use crate::scalar::Root;
 use crate::settings::{Settings, Start};
 use crate::solution::Stats;
 use crate::sparse::SparseMatrices;
@@ -108,7 +109,7 @@ pub struct Workspace {
     /// Estimates for the solution at hand.
     pub(crate) truncation_error: Option<f64>,
     pub(crate) sampling_error: Option<f64>,
-    pub(crate) roots: Vec<f64>,
+    pub(crate) roots: Vec<Root>,
     pub(crate) held: Vec<bool>,
     /// Holding forces in N, entry `[slot][contact]`.
     pub(crate) holding: Vec<c64>,
