@@ -16,7 +16,7 @@ use faer::{Accum, Mat, Par};
 use crate::factor::{Factor, FactorPlan};
 use crate::model::{Damping, Model};
 use crate::modes::{Lanczos, Modes, Wanted};
-use crate::pencil::{Pencil, entries, sparse_times};
+use crate::pencil::{Pencil, entries, transpose_times};
 use crate::receptance_error::Comparison;
 use crate::reduction::{ModeCount, Progress, Reduction, ReductionError, ReductionOptions};
 use crate::sparse::{SparseDamping, SparseModel};
@@ -122,7 +122,7 @@ pub fn reduce(
             let ended = error <= tolerance || stale == 3 || count == count_before || count >= most;
             if !ended {
                 previous = Some((count, error));
-                let growth = (error / tolerance).sqrt().clamp(1.3, 2.5);
+                let growth = (1.1 * (error / tolerance).powf(0.6)).clamp(1.25, 4.0);
                 wanted = Wanted::Lowest(((count as f64 * growth) as usize + 4).min(most));
                 continue;
             }
@@ -305,7 +305,7 @@ fn find(
 /// TᵀMT, TᵀDT, TᵀCT, and Tᵀ times the base loads.
 fn project(model: &SparseModel, shapes: &Mat<f64>, base: &Mat<f64>) -> Result<Model, ReductionError> {
     let damping = match &model.damping {
-        SparseDamping::Matrix(damping) => Damping::Matrix(congruent(damping, shapes)),
+        SparseDamping::Matrix(damping) => Damping::Matrix(congruent(damping, shapes).transpose().to_owned()),
         &SparseDamping::Rayleigh { mass, stiffness } => Damping::Rayleigh { mass, stiffness },
         &SparseDamping::ModalRatio(ratio) => Damping::ModalRatio(ratio),
     };
@@ -315,14 +315,14 @@ fn project(model: &SparseModel, shapes: &Mat<f64>, base: &Mat<f64>) -> Result<Mo
     Ok(Model::new(symmetric(mass), damping, symmetric(stiffness))?.with_base_loads(loads)?)
 }
 
-/// Tᵀ A T, a few columns at a time.
+/// Tᵀ Aᵀ T, a few columns at a time.
 fn congruent(matrix: &SparseColMat<usize, f64>, shapes: &Mat<f64>) -> Mat<f64> {
     const COLUMNS: usize = 64;
     let size = shapes.ncols();
     let mut out = Mat::zeros(size, size);
     for first in (0..size).step_by(COLUMNS) {
         let columns = COLUMNS.min(size - first);
-        let part = sparse_times(matrix, shapes.as_ref().subcols(first, columns));
+        let part = transpose_times(matrix, shapes.as_ref().subcols(first, columns));
         let out = out.as_mut().subcols_mut(first, columns);
         matmul(out, Accum::Replace, shapes.transpose(), part.as_ref(), 1.0, Par::Seq);
     }
