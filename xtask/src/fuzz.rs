@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 
 /// One target a kind of file.
-const TARGETS: [&str; 3] = ["scene", "record", "study"];
+const TARGETS: [&str; 4] = ["scene", "record", "matrix", "study"];
 
 /// Seconds a target when none are named.
 const SECONDS: u64 = 60;

@@ -16,6 +16,9 @@ pub(crate) struct Posed {
     pub(crate) reduced: Option<Reduced>,
 }
 
+/// Highest frequency in Hz of a static response.
+const STATIC: f64 = 1.0;
+
 /// Dofs that a force, a contact or the output names, ascending.
 fn kept(excitation: &[Excitation], contacts: &[Contact], output: &[usize]) -> Vec<usize> {
     let forces = excitation.iter().filter(|entry| entry.kind != ExcitationKind::Base).map(|entry| entry.dof);
@@ -64,6 +67,8 @@ impl Scene {
     fn range(&self) -> (f64, f64) {
         let frequencies = self.frequencies.as_slice().iter().copied();
         let (least, most) = frequencies.fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
+        // Where only the static response is asked for, any small band will do.
+        let most = if most > 0.0 { most } else { STATIC };
         (least.min(most), most * self.settings.harmonics as f64)
     }
 
