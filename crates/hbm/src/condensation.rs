@@ -39,6 +39,9 @@ const NEARLY_SINGULAR: f64 = 1e-11;
 /// Below this fraction springs are lent: the receptance would lose digits that the balance has.
 const ILL_CONDITIONED: f64 = 1e-3;
 
+/// A fraction below which everything lies.
+const ALWAYS: f64 = f64::INFINITY;
+
 /// One entry of a harmonic's excitation vector: `amplitude · Ω^power` on `dof`.
 #[derive(Debug, Clone, Copy)]
 struct Load {
@@ -84,6 +87,8 @@ pub(crate) struct Condensed {
     pub(crate) lent: Vec<c64>,
     /// Structural damping added to every dof, as a part of its own dynamic stiffness; for homotopies.
     pub(crate) added_damping: f64,
+    /// 2ζω in 1/s: this times the mass is taken off the damping, so that a free motion with that damping is periodic.
+    pub(crate) self_excitation: f64,
     /// Whether the structure alone is singular, entry `[slot]`.
     pub(crate) singular: Vec<bool>,
     lu: Lu<c64>,
@@ -188,6 +193,7 @@ impl Structure {
             free_output: vec![c64::ZERO; slots * outputs],
             lent: vec![c64::ZERO; slots * contacts],
             added_damping: 0.0,
+            self_excitation: 0.0,
             singular: vec![false; slots],
             lu: Lu::new(n, contacts + 1),
             rhs: Mat::zeros(n, contacts + 1),
@@ -221,6 +227,20 @@ impl Structure {
         self.condense_where(hertz, slots, NEARLY_SINGULAR, into)
     }
 
+    /// As [`Structure::condense`], with springs as stiff as the structure lent to every contact at every harmonic: nothing is
+    /// singular then, and all of it is smooth in the frequency, also where the structure moves freely.
+    ///
+    /// # Errors
+    /// The harmonic of Ω at which the dynamic stiffness is singular all the same.
+    pub(crate) fn condense_sprung(
+        &self,
+        hertz: f64,
+        slots: Range<usize>,
+        into: &mut Condensed,
+    ) -> Result<(), usize> {
+        self.condense_where(hertz, slots, ALWAYS, into)
+    }
+
     fn condense_where(
         &self,
         hertz: f64,
@@ -237,7 +257,7 @@ impl Structure {
             self.factor(order as f64 * base, slot, into);
             into.singular[slot] = !into.lu.is_regular(NEARLY_SINGULAR);
             if !into.lu.is_regular(lending) {
-                self.lend(order as f64 * base, slot, into);
+                self.lend(order as f64 * base, slot, lending == ALWAYS, into);
                 self.factor(order as f64 * base, slot, into);
                 let still = if into.singular[slot] { STILL_SINGULAR } else { SINGULAR };
                 if !into.lu.is_regular(still) {
@@ -263,7 +283,7 @@ impl Structure {
             for i in 0..n {
                 let entry = c64::new(
                     self.stiffness[(i, j)] - omega * omega * self.mass[(i, j)],
-                    omega * self.damping[(i, j)],
+                    omega * (self.damping[(i, j)] - into.self_excitation * self.mass[(i, j)]),
                 );
                 into.lu.matrix[(i, j)] = entry * (into.scale[i] * into.scale[j]);
             }
@@ -290,14 +310,14 @@ impl Structure {
     }
 
     /// Springs at the contacts of one slot, as stiff as the contacts, and no stiffer than the structure itself: stiffer
-    /// ones would hide what weak contacts do.
-    fn lend(&self, omega: f64, slot: usize, into: &mut Condensed) {
+    /// ones would hide what weak contacts do. With `stiff` all are like the structure.
+    fn lend(&self, omega: f64, slot: usize, stiff: bool, into: &mut Condensed) {
         let size = |scale: f64| 1.0 / (scale * scale);
         for (l, (&(first, second), contact)) in self.contacts.iter().zip(&self.contact_stiffness).enumerate()
         {
             let own = size(into.scale[first]);
             let structure = second.map_or(own, |second| own.min(size(into.scale[second])));
-            let stiffness = structure.min(*contact);
+            let stiffness = if stiff { structure } else { structure.min(*contact) };
             into.lent[slot * into.contacts + l] =
                 if omega == 0.0 { c64::from(stiffness) } else { c64::new(0.0, stiffness) };
         }

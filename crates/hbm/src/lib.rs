@@ -20,6 +20,7 @@ mod estimate;
 mod harmonics;
 mod holding;
 mod ladder;
+mod mode;
 mod newton;
 mod pieces;
 mod plan;
@@ -38,6 +39,7 @@ mod waveform;
 
 pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, entry_curve, frequency_curve};
 pub use error::PlanError;
+pub use mode::{ModeEnd, ModeOptions, ModePoint, NonlinearMode, Origin, nonlinear_mode};
 pub use plan::{Plan, PlanFacts, Workspace};
 pub use problem::{Contact, Excitation, ExcitationKind, Problem};
 pub use settings::{Jacobian, Settings, Start};
