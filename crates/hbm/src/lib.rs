@@ -17,6 +17,7 @@ mod dense;
 mod detour;
 mod error;
 mod estimate;
+mod free_motion;
 mod harmonics;
 mod holding;
 mod ladder;
