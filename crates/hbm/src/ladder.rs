@@ -7,6 +7,7 @@ use crate::balance::Homotopy;
 use crate::newton::{self, Criteria, Outcome, Task};
 use crate::plan::{Plan, Rung, Workspace};
 use crate::point::{Point, secant};
+use crate::settings::{Jacobian, LinearSolver};
 
 /// Up to this harmonic of the base frequency Newton's method costs no more than substitution.
 const LEAST_CORE: usize = 31;
@@ -22,6 +23,12 @@ const HOMOTOPY_STEPS: usize = 400;
 
 /// Complex unknowns that a homotopy along the arc may have.
 const ARC_ENTRIES: usize = 64;
+
+/// Real unknowns from which GMRES is faster than factoring the whole derivative.
+const KRYLOV_FROM: usize = 200;
+
+/// Contacts from which it is tried: fewer are coupled more through their harmonics than through the structure.
+const KRYLOV_WIDTH: usize = 8;
 
 /// The excitation homotopy begins where friction is a small part of the excitation.
 const LARGE_EXCITATION: f64 = 100.0;
@@ -43,7 +50,19 @@ impl Plan {
 
     fn task<'a>(&'a self, rung: usize, slots: usize, homotopy: Homotopy, point: &'a Point) -> Task<'a> {
         let core = self.core(slots, point);
-        Task { balance: self.balance(rung), point, slots, core, homotopy, criteria: self.criteria() }
+        let balance = self.balance(rung);
+        let krylov = self.krylov(balance.size(point.width(), core), point.width());
+        Task { balance, point, slots, core, krylov, homotopy, criteria: self.criteria() }
+    }
+
+    /// Whether so many real unknowns of so many contacts are solved for by GMRES.
+    fn krylov(&self, size: usize, width: usize) -> bool {
+        self.settings.jacobian == Jacobian::Analytic
+            && match self.settings.linear_solver {
+                LinearSolver::Auto => size >= KRYLOV_FROM && width >= KRYLOV_WIDTH,
+                LinearSolver::Dense => false,
+                LinearSolver::Krylov => true,
+            }
     }
 
     /// Newton's method with all harmonics of `rung`, until the residual is below `tolerance`, in a few steps.
@@ -156,7 +175,8 @@ impl Plan {
         outcome
     }
 
-    /// Adds harmonics `from..to` to the unknowns, each as the response to the force harmonic of the motion so far.
+    /// Adds harmonics `from..to` to the unknowns, each as the response to the force harmonic of the motion so far; zero where
+    /// that makes the residual of many contacts larger.
     pub(crate) fn extend(&self, rung: usize, from: usize, to: usize, ws: &mut Workspace) {
         let width = ws.point.width();
         if from == 0 || from >= to {
@@ -165,10 +185,17 @@ impl Plan {
         let range = from * width..to * width;
         ws.unknowns[range.clone()].fill(c64::ZERO);
         let balance = self.balance(rung);
-        if balance.evaluate(&ws.point, to, Homotopy::NONE, &ws.unknowns, &mut ws.balance[rung]).is_ok() {
-            for entry in range {
-                ws.unknowns[entry] = -ws.balance[rung].residual[entry];
-            }
+        let Workspace { point, unknowns, balance: buffers, .. } = ws;
+        let buffers = &mut buffers[rung];
+        let Ok(before) = balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers) else { return };
+        for entry in range.clone() {
+            unknowns[entry] = -buffers.residual[entry];
+        }
+        // Contacts side by side overshoot together where the structure answers much; the Newton step knows them all.
+        let many = self.krylov(balance.size(width, to), width) && point.contracting > from;
+        let worse = |after: Result<f64, _>| after.map_or(true, |after| after > before);
+        if many && worse(balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers)) {
+            unknowns[range].fill(c64::ZERO);
         }
     }
 
