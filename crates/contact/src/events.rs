@@ -21,9 +21,11 @@ pub struct ForcePiece {
     pub stiffness: f64,
     /// In N.
     pub offset: f64,
-    /// Force at `from` in N; where the stiffness is not zero that is a turning point. It says more than the offset when the
-    /// stiffness is large: `f(τ) = start_force − stiffness · drop`, with [`crate::drop_from`], has no terms that cancel.
+    /// Force at `from` in N; where the stiffness is not zero that is a turning point.
     pub start_force: f64,
+    /// The way that it takes is so short a part of the motion that `stiffness · w + offset` would cancel. Without terms that
+    /// do, `f(τ) = start_force − stiffness · drop` with [`crate::drop_from`].
+    pub close: bool,
     /// What the offset depends on, and how strongly (N/m): the displacement at the turning point where the last slip
     /// ended.
     pub memory: Option<(Recall, f64)>,
@@ -47,16 +49,24 @@ pub trait PiecewiseLinear {
 /// A way shorter than this part of the whole is measured from the turning point without cancellation.
 const SHORT: f64 = 1e-8;
 
-/// Phase at which the displacement has gone the way `rise` (with its sign) from one turning point to the next: Newton's method
-/// kept inside the bracket, started from the half cosine between the two.
-pub(crate) fn crossing(spectrum: &[Complex64], start: TurningPoint, end: TurningPoint, rise: f64) -> f64 {
-    let part = (rise / (end.displacement - start.displacement)).clamp(0.0, 1.0);
+/// Phase at which the displacement has gone the way `rise` (with its sign) from one turning point to the next, by `total`:
+/// Newton's method kept inside the bracket, started from the half cosine between the two. A `close` way is measured
+/// without cancellation.
+pub(crate) fn crossing(
+    spectrum: &[Complex64],
+    start: TurningPoint,
+    end: TurningPoint,
+    (rise, total): (f64, f64),
+    close: bool,
+) -> f64 {
+    let part = (rise / total).clamp(0.0, 1.0);
     let (mut left, mut right) = (start.tau, end.tau);
     let mut at = left + (right - left) * 2.0 * part.sqrt().asin() / PI;
-    let rising = end.displacement > start.displacement;
+    let rising = total > 0.0;
+    let close = close || part < SHORT;
     for _ in 0..60 {
         let here = jet(spectrum, at);
-        let way = if part < SHORT {
+        let way = if close {
             -drop_from(spectrum, start.tau, at - start.tau)
         } else {
             here.displacement - start.displacement

@@ -7,7 +7,6 @@ use crate::balance::Homotopy;
 use crate::newton::{self, Criteria, Outcome, Task};
 use crate::plan::{Plan, Rung, Workspace};
 use crate::point::{Point, secant};
-use crate::settings::{Jacobian, LinearSolver};
 
 /// Up to this harmonic of the base frequency Newton's method costs no more than substitution.
 const LEAST_CORE: usize = 31;
@@ -24,11 +23,11 @@ const HOMOTOPY_STEPS: usize = 400;
 /// Complex unknowns that a homotopy along the arc may have.
 const ARC_ENTRIES: usize = 64;
 
-/// Real unknowns from which GMRES is faster than factoring the whole derivative.
-const KRYLOV_FROM: usize = 200;
+/// Above so many real unknowns only homotopies are tried: ways from elsewhere take too long.
+const MANY_UNKNOWNS: usize = 2048;
 
-/// Contacts from which it is tried: fewer are coupled more through their harmonics than through the structure.
-const KRYLOV_WIDTH: usize = 8;
+/// Ways around a failed ladder that are tried however many unknowns there are.
+const HOMOTOPIES: usize = 5;
 
 /// The excitation homotopy begins where friction is a small part of the excitation.
 const LARGE_EXCITATION: f64 = 100.0;
@@ -51,18 +50,8 @@ impl Plan {
     fn task<'a>(&'a self, rung: usize, slots: usize, homotopy: Homotopy, point: &'a Point) -> Task<'a> {
         let core = self.core(slots, point);
         let balance = self.balance(rung);
-        let krylov = self.krylov(balance.size(point.width(), core), point.width());
+        let krylov = self.settings.krylov(balance.size(point.width(), core), point.width());
         Task { balance, point, slots, core, krylov, homotopy, criteria: self.criteria() }
-    }
-
-    /// Whether so many real unknowns of so many contacts are solved for by GMRES.
-    fn krylov(&self, size: usize, width: usize) -> bool {
-        self.settings.jacobian == Jacobian::Analytic
-            && match self.settings.linear_solver {
-                LinearSolver::Auto => size >= KRYLOV_FROM && width >= KRYLOV_WIDTH,
-                LinearSolver::Dense => false,
-                LinearSolver::Krylov => true,
-            }
     }
 
     /// Newton's method with all harmonics of `rung`, until the residual is below `tolerance`, in a few steps.
@@ -115,7 +104,9 @@ impl Plan {
             |plan, _, ws| plan.perturbed_starts(ws),
             Self::detour,
         ];
-        for attempt in attempts {
+        let unknowns = self.balance(ws.goal).size(ws.point.width(), self.rungs[ws.goal].slots);
+        let tried = if unknowns > MANY_UNKNOWNS { HOMOTOPIES } else { attempts.len() };
+        for attempt in attempts.into_iter().take(tried) {
             let outcome = attempt(self, hertz, ws);
             if outcome.converged {
                 return outcome;
@@ -192,7 +183,7 @@ impl Plan {
             unknowns[entry] = -buffers.residual[entry];
         }
         // Contacts side by side overshoot together where the structure answers much; the Newton step knows them all.
-        let many = self.krylov(balance.size(width, to), width) && point.contracting > from;
+        let many = self.settings.krylov(balance.size(width, to), width) && point.contracting > from;
         let worse = |after: Result<f64, _>| after.map_or(true, |after| after > before);
         if many && worse(balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers)) {
             unknowns[range].fill(c64::ZERO);
@@ -240,7 +231,7 @@ impl Plan {
     }
 
     /// Solves `(1 + Ĝ K̂) û = û⁰` in every slot with the secant stiffnesses of the point.
-    fn solve_with_secants(&self, slots: usize, ws: &mut Workspace) {
+    pub(crate) fn solve_with_secants(&self, slots: usize, ws: &mut Workspace) {
         let width = ws.point.width();
         for slot in 0..slots {
             for column in 0..width {

@@ -19,6 +19,8 @@ pub(crate) enum Matrices {
 pub(crate) struct Additions<'a> {
     /// Structural damping, as a part of every dof's own dynamic stiffness.
     pub(crate) damping: f64,
+    /// This times the mass is taken off D, in 1/s.
+    pub(crate) self_excitation: f64,
     /// First and second dof of every contact.
     pub(crate) contacts: &'a [(usize, Option<usize>)],
     /// A spring at every contact in N/m, most of them zero.
@@ -84,7 +86,7 @@ impl Matrices {
                     for i in 0..n {
                         let entry = c64::new(
                             stiffness[(i, j)] - omega * omega * mass[(i, j)],
-                            omega * damping[(i, j)],
+                            omega * (damping[(i, j)] - additions.self_excitation * mass[(i, j)]),
                         );
                         lu.matrix[(i, j)] = entry * (scale[i] * scale[j]);
                     }

@@ -33,6 +33,12 @@ pub enum LinearSolver {
     Krylov,
 }
 
+/// Real unknowns from which GMRES is faster than factoring the whole derivative.
+const KRYLOV_FROM: usize = 200;
+
+/// Contacts from which it is tried: fewer are coupled more through their harmonics than through the structure.
+const KRYLOV_WIDTH: usize = 8;
+
 /// How a problem is to be solved; the defaults are what a user wants without asking.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -77,5 +83,15 @@ impl Settings {
             tolerance: 1e-11,
             max_iterations: 60,
         }
+    }
+
+    /// Whether a Newton step with so many real unknowns of so many contacts is solved for by GMRES.
+    pub(crate) fn krylov(&self, unknowns: usize, contacts: usize) -> bool {
+        self.jacobian == Jacobian::Analytic
+            && match self.linear_solver {
+                LinearSolver::Auto => unknowns >= KRYLOV_FROM && contacts >= KRYLOV_WIDTH,
+                LinearSolver::Dense => false,
+                LinearSolver::Krylov => true,
+            }
     }
 }
