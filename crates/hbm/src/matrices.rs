@@ -2,7 +2,9 @@
 
 use faer::{Mat, MatMut, c64};
 
+use crate::condensation::Load;
 use crate::dense::Lu;
+use crate::modal::Modal;
 use crate::sparse::{SparseFactor, SparseMatrices};
 
 /// M, D and C of the structure.
@@ -36,6 +38,21 @@ impl Matrices {
         match self {
             Self::Dense { mass, .. } => mass.nrows(),
             Self::Sparse(matrices) => matrices.dofs(),
+        }
+    }
+
+    /// The modes of dense matrices, where damping leaves them uncoupled and they are worth it.
+    pub(crate) fn modal(
+        &self,
+        contacts: &[(usize, Option<usize>)],
+        outputs: &[usize],
+        loads: &[Vec<Load>],
+    ) -> Option<Modal> {
+        match self {
+            Self::Dense { mass, damping, stiffness } => {
+                Modal::new(mass, damping, stiffness, contacts, outputs, loads)
+            }
+            Self::Sparse(_) => None,
         }
     }
 
