@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::error::LawError;
 use crate::law::{Marks, Motion, Workspace};
 use crate::tangent::Recall;
-use crate::turning_points::{TurningPoint, drop_from, jet};
+use crate::turning_points::{TurningPoint, drop_from, halley, jet, settled};
 
 /// A stretch of the period on which an element of the contact has the force `f(τ) = stiffness · w(τ) + offset`. The
 /// stretches of several elements in parallel may overlap: their forces add up.
@@ -47,13 +47,14 @@ pub trait PiecewiseLinear {
 /// A way shorter than this part of the whole is measured from the turning point without cancellation.
 const SHORT: f64 = 1e-8;
 
-/// Phase at which the displacement has gone the way `rise` (with its sign) from one turning point to the next: Newton's method
+/// Phase at which the displacement has gone the way `rise` (with its sign) from one turning point to the next: Halley's method
 /// kept inside the bracket, started from the half cosine between the two.
 pub(crate) fn crossing(spectrum: &[Complex64], start: TurningPoint, end: TurningPoint, rise: f64) -> f64 {
     let part = (rise / (end.displacement - start.displacement)).clamp(0.0, 1.0);
     let (mut left, mut right) = (start.tau, end.tau);
     let mut at = left + (right - left) * 2.0 * part.sqrt().asin() / PI;
     let rising = end.displacement > start.displacement;
+    let mut before = 0.0;
     for _ in 0..60 {
         let here = jet(spectrum, at);
         let way = if part < SHORT {
@@ -70,11 +71,14 @@ pub(crate) fn crossing(spectrum: &[Complex64], start: TurningPoint, end: Turning
         } else {
             left = at;
         }
-        let newton = at - beyond / here.velocity;
-        let next = if newton > left && newton < right { newton } else { 0.5 * (left + right) };
-        let settled = (next - at).abs() <= 2.0 * f64::EPSILON * next.abs().max(1.0);
-        at = next;
-        if settled {
+        let step = halley(beyond, here.velocity, here.acceleration);
+        let inside = at + step > left && at + step < right;
+        let next = if inside { at + step } else { 0.5 * (left + right) };
+        let length = (next - at).abs();
+        let enough =
+            length <= 2.0 * f64::EPSILON * next.abs().max(1.0) || (inside && settled(length, before));
+        (at, before) = (next, if inside { length } else { 0.0 });
+        if enough {
             break;
         }
     }
