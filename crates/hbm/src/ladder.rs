@@ -12,7 +12,7 @@ use crate::point::{Point, secant};
 const LEAST_CORE: usize = 31;
 
 /// Relative residual to which a rung on the way is solved: beyond it its own truncation error is larger.
-const ROUGHLY: f64 = 1e-4;
+const ROUGHLY: f64 = 3e-3;
 
 /// The same on the way of a homotopy.
 const PASSING: f64 = 1e-6;
