@@ -5,7 +5,10 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use contact::{Cubic, CubicParameters, Law, Linear, LinearParameters, MagnitudeLaw, PhaseLaw, ScaledLoop};
+use contact::{
+    Coulomb, CoulombParameters, Cubic, CubicParameters, Law, Linear, LinearParameters, MagnitudeLaw,
+    PhaseLaw, ScaledLoop,
+};
 use faer::mat;
 use hbm::{Excitation, ExcitationKind, FailureReason, Plan, Problem, Settings, Solution, Status};
 use num_complex::Complex64;
@@ -169,6 +172,20 @@ fn undamped_resonances() {
     let spring = Arc::new(Linear::new(LinearParameters { stiffness: 1e-6 }).unwrap());
     let solution = solve(&oscillator(0.0, 1.0, spring), 1, 1.0);
     assert!((first(&solution).norm() * 1e-6 - 1.0).abs() < 1e-9);
+}
+
+/// At an undamped resonance steep friction cancels the excitation f = p F_s at every instant, tanh(ẇ/v) = p cos τ: the velocity
+/// has the first harmonic v (p + p³/4 + …). Any larger motion is far beyond the flank of the tanh.
+#[test]
+fn steep_friction_at_an_undamped_resonance() {
+    for decade in [-3, -5, -7, -9] {
+        let (p, velocity) = (0.01, 10.0_f64.powi(decade));
+        let law = Arc::new(Coulomb::new(CoulombParameters { slip_force: 1.0, velocity }).unwrap());
+        let solution = solve(&oscillator(0.0, p, law), 3, 1.0);
+        assert_eq!(solution.status, Status::Converged, "{decade}");
+        let error = first(&solution).norm() / (velocity * (p + p * p * p / 4.0)) - 1.0;
+        assert!(error.abs() < p.powi(4), "{decade}: {error:e}");
+    }
 }
 
 /// ¾ k₃ a³ = f at an undamped resonance.
