@@ -53,6 +53,27 @@ fn sticking_contacts_of_any_stiffness_are_springs() {
     }
 }
 
+/// Friction that is as good as rigid takes F_s times the way: with the damper, that is the work of the excitation. At a fifth of the
+/// resonance the motion nearly stops twice a period, with short ways back.
+#[test]
+fn stiff_contacts_nearly_stopping_at_31_harmonics() {
+    let (damping, slip, omega) = (0.029762068361818647, 0.2096121361537976, 0.21032851950026887);
+    for decade in 8..=13 {
+        let problem = oscillator(damping, 1.0, elastic_coulomb(10.0_f64.powi(decade), slip));
+        let solution = solve(&problem, 31, omega);
+        assert_eq!(solution.status, Status::Converged, "{decade}");
+        let harmonics: Vec<(f64, Complex64)> =
+            (1..).step_by(2).map(f64::from).zip(solution.displacement[0].iter().copied()).collect();
+        let at = |tau: f64| harmonics.iter().map(|(k, w)| (w * Complex64::cis(k * tau)).re).sum::<f64>();
+        let samples: Vec<f64> = (0..=100_000).map(|j| at(TAU * f64::from(j) / 1e5)).collect();
+        let way: f64 = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+        let damped: f64 = harmonics.iter().map(|(k, w)| PI * damping * omega * k * k * w.norm_sqr()).sum();
+        let work = -PI * harmonics[0].1.im;
+        let error = (slip * way + damped) / work - 1.0;
+        assert!(error.abs() < 1e-7, "{decade}: {error:e}");
+    }
+}
+
 /// Far above the slip displacement friction is a force ±F_s: for N = 1 its harmonic is 4F_s/π against the velocity.
 #[test]
 fn amplitudes_far_above_the_slip_displacement() {
