@@ -24,6 +24,7 @@ use study::{Reference, Truth};
 use crate::estimates;
 use crate::{library, truths};
 use data::{Data, Origin};
+pub(crate) use page::time;
 
 /// What a user types.
 pub(crate) const COMMAND: &str = "cargo run --release -p xtask -- error-vs-runtime";
@@ -133,7 +134,7 @@ fn measure_scene(
 }
 
 /// The compiler's own words.
-fn rustc() -> String {
+pub(crate) fn rustc() -> String {
     let output = Command::new("rustc").arg("--version").output();
     let text = output.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
     text.ok().filter(|text| !text.is_empty()).unwrap_or_else(|| "unknown compiler".to_owned())

@@ -6,6 +6,7 @@ mod estimates;
 mod extreme;
 mod figures;
 mod fuzz;
+mod generate_model;
 mod iwan;
 mod library;
 mod loop_family;
@@ -17,6 +18,7 @@ mod paper;
 mod reconstruct;
 mod record_family;
 mod reference_loop;
+mod scaling;
 mod synthetic_loop;
 mod truths;
 
@@ -39,10 +41,13 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   extreme                  cases at the limits of every quantity, labelled and judged; writes the tables of docs/src/extreme.md
                            (release build; --quick a twentieth of them, --seed S others, --case ID one alone)
   fuzz [SECONDS]           coverage-guided fuzzing of scenes, records and studies; needs a nightly compiler and cargo-fuzz
+  generate-model KIND      a finite-element model and a scene: blade, sector, ring or lumped (release build; --help)
   iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
   loop-family FILE…        the same question to measured records at several amplitudes; prints a table
   loop-series FOLDER       writes synthetic records at eight amplitudes that follow the paper's scaling laws
+  scaling                  how the cost grows with dofs, contacts, harmonics, points: docs/src/growth.md (release build)
+  scaling --draw           figure and page once more from the measured data
   reference-loop           writes scenes/loops/reference.csv
   … --check                fails unless what one of reference-loop, iwan and loop-family writes and prints is in the repository";
 
@@ -67,6 +72,7 @@ fn run() -> Result<()> {
         ["estimates", names @ ..] => estimates::run(&root(), names),
         ["extreme", words @ ..] => extreme::run(&root(), words),
         ["fuzz", seconds @ ..] => fuzz::run(&root(), seconds),
+        ["generate-model", words @ ..] => generate_model::run(words),
         ["iwan"] => iwan::write(&root()),
         ["iwan", "--check"] => iwan::check(&root()),
         ["loop-family", "--check"] => loop_family::check(&root()),
@@ -77,6 +83,8 @@ fn run() -> Result<()> {
         ["figures", "--check"] => figures::check(&root()),
         ["reconstruct"] => reconstruct::write(&root()),
         ["reconstruct", "--check"] => reconstruct::check(&root()),
+        ["scaling"] => scaling::run(&root()),
+        ["scaling", "--draw"] => scaling::draw(&root()),
         ["reference-loop"] => reference_loop::write(&root()),
         ["reference-loop", "--check"] => reference_loop::check(&root()),
         _ => bail!("{USAGE}"),

@@ -345,16 +345,28 @@ impl DescribingFunction for ElasticCoulomb {
         if a <= xc {
             return FirstHarmonic { force: Complex64::from(k * a), derivative: Complex64::from(k) };
         }
-        let theta = 2.0 * (xc / a).sqrt().asin();
-        let in_phase = k / PI * 0.5 * angle_minus_sine(2.0 * theta);
+        let (part, rest) = (xc / a, 1.0 - xc / a);
+        let theta = 2.0 * part.sqrt().asin();
+        let sine = 2.0 * (part * rest).sqrt();
+        // 2θ − sin 2θ
+        let lens =
+            if theta > 0.25 { 2.0 * (theta - sine * (rest - part)) } else { angle_minus_sine(2.0 * theta) };
+        let in_phase = k / PI * 0.5 * lens;
         let damping = 4.0 * self.slip_force / PI;
         FirstHarmonic {
-            force: Complex64::new(a * in_phase, damping * (1.0 - xc / a)),
-            derivative: Complex64::new(
-                in_phase - 4.0 * k * xc / (PI * a) * theta.sin(),
-                damping * xc / (a * a),
-            ),
+            force: Complex64::new(a * in_phase, damping * rest),
+            derivative: Complex64::new(in_phase - 4.0 * k * part / PI * sine, damping * part / a),
         }
+    }
+
+    /// A force within ±F_s has no harmonic above that of the rectangle.
+    fn largest(&self, a: f64) -> Option<f64> {
+        let (k, xc) = (self.stiffness, self.slip_displacement());
+        Some(if a <= xc { k * a } else { 4.0 * self.slip_force / PI })
+    }
+
+    fn spring_up_to(&self) -> Option<f64> {
+        Some(self.slip_displacement())
     }
 
     fn marks(&self, a: f64) -> Marks {

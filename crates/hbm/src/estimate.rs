@@ -55,11 +55,16 @@ impl Plan {
         Ok(())
     }
 
+    /// Whether errors of solutions are estimated.
+    pub(crate) fn estimating(&self) -> bool {
+        self.settings.estimate || self.settings.truncation.is_some()
+    }
+
     /// Completes a solution of `ws.goal`: estimates its errors where that is wanted, and takes more harmonics until the
     /// estimate meets the tolerance, or none are left.
     pub(crate) fn complete(&self, outcome: Outcome, hertz: f64, ws: &mut Workspace) -> Outcome {
         (ws.truncation_error, ws.sampling_error) = (None, None);
-        if !self.settings.estimate && self.settings.truncation.is_none() {
+        if !self.estimating() {
             return outcome;
         }
         let mut outcome = outcome;

@@ -30,15 +30,27 @@ pub struct Sweep {
     pub threads: usize,
 }
 
-/// Points that one task of a parallel sweep solves at least: enough that handing it out costs nothing, few enough that
-/// threads stay busy to the end. Shorter sweeps use one thread.
-pub const POINTS_A_TASK: usize = 16;
+/// Points that one task of a parallel sweep solves at least where a point takes microseconds: enough that handing it out
+/// costs nothing, few enough that threads stay busy to the end.
+const QUICK_POINTS: usize = 16;
+
+/// A model or a balance of more than so many unknowns takes long enough that every point is a task.
+const QUICK_UNKNOWNS: usize = 48;
+
+impl Plan {
+    /// Points that one task of a parallel sweep solves at least. Sweeps of no more points use one thread.
+    pub fn points_a_task(&self) -> usize {
+        let unknowns = self.facts().unknowns.max(self.structure.dofs());
+        if unknowns > QUICK_UNKNOWNS { 1 } else { QUICK_POINTS }
+    }
+}
 
 /// Solves `plan` at every frequency in Hz. The result does not depend on the number of threads, bit for bit.
 pub fn sweep(plan: &Plan, frequencies: &[f64], options: &SweepOptions) -> Sweep {
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
     let wanted = options.threads.unwrap_or(cores).max(1);
-    let tasks = frequencies.len().div_ceil(POINTS_A_TASK).max(1);
+    let points_a_task = plan.points_a_task();
+    let tasks = frequencies.len().div_ceil(points_a_task).max(1);
     // A march is sequential, and a handful of points is solved before a pool of threads has started.
     let threads = if plan.settings.start == Start::March { 1 } else { wanted.min(tasks) };
     let finished = AtomicUsize::new(0);
@@ -67,7 +79,7 @@ pub fn sweep(plan: &Plan, frequencies: &[f64], options: &SweepOptions) -> Sweep 
             let points = pool.install(|| {
                 frequencies
                     .par_iter()
-                    .with_min_len(POINTS_A_TASK)
+                    .with_min_len(points_a_task)
                     .map_init(|| plan.workspace(), |workspace, &hertz| one(hertz, workspace))
                     .collect()
             });

@@ -1,6 +1,6 @@
 //! What a scene needs and what it leaves out, and why.
 
-use hbm::{Jacobian, POINTS_A_TASK, PlanFacts, Settings, Start};
+use hbm::{Jacobian, PlanFacts, Settings, Start};
 use serde::Serialize;
 
 use crate::run::Prepared;
@@ -37,7 +37,7 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     steps.push(match (settings.start, points) {
         (Start::March, _) => step("parallel sweep", false, "marching needs the point before"),
         (Start::Ladder, 1) => step("parallel sweep", false, "there is one point"),
-        (Start::Ladder, _) if points <= POINTS_A_TASK => {
+        (Start::Ladder, _) if points <= prepared.plan.points_a_task() => {
             step("parallel sweep", false, format!("{points} points are solved before threads have started"))
         }
         (Start::Ladder, _) => {

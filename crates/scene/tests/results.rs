@@ -122,3 +122,35 @@ fn damping_has_three_forms() {
     assert!((first(&matrix) / first(&rayleigh) - 1.0).norm() < 1e-12);
     assert!((first(&matrix) / first(&form(json!({ "modal_ratio": 0.2 }))) - 1.0).norm() > 1e-2);
 }
+
+#[test]
+fn a_point_without_a_solution_says_what_was_tried() {
+    // At the undamped resonance friction alone would have to balance 10 N, but its first harmonic is at most 4/π · 1 N.
+    let stiffness = std::f64::consts::TAU.powi(2);
+    let text = json!({
+        "model": { "dofs": ["w"], "mass": [[1.0]], "damping": [[0.0]], "stiffness": [[stiffness]] },
+        "excitation": [{ "dof": "w", "amplitude": 10.0 }],
+        "contacts": [{ "name": "c", "between": ["w", "ground"],
+                       "law": { "type": "elastic_coulomb", "stiffness": 100.0, "slip_force": 1.0 } }],
+        "frequencies": [1.0],
+        "harmonics": 3
+    });
+    let outcome = solve(&text);
+    let point = &outcome.points[0];
+    assert_eq!(point.status, "failed");
+    assert!(point.displacement.is_none() && point.contacts.is_none());
+    assert!(point.reason.as_ref().unwrap().contains("singular at harmonic 1"), "{:?}", point.reason);
+    // In the order in which they are tried; only smaller rungs are no choice below the first one.
+    let tried = [
+        "ladder of harmonics",
+        "homotopy from secant stiffnesses",
+        "homotopy in the contact stiffness",
+        "homotopy in the contact force",
+        "homotopy in the excitation",
+        "homotopy in the damping",
+        "homotopy along its arc",
+        "perturbed starts",
+        "detours over other frequencies",
+    ];
+    assert_eq!(point.tried.as_ref().unwrap(), &tried);
+}

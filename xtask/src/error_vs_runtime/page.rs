@@ -45,7 +45,7 @@ fn dash() -> String {
 }
 
 /// Two digits of a time in a unit that keeps it short.
-fn time(seconds: f64) -> String {
+pub(crate) fn time(seconds: f64) -> String {
     let (factor, unit) = match seconds {
         s if s < 1e-3 => (1e6, "µs"),
         s if s < 1.0 => (1e3, "ms"),
