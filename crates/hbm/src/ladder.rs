@@ -111,13 +111,14 @@ impl Plan {
     pub(crate) fn fall_back(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
         let mut best = Outcome::NONE;
         type Attempt = fn(&Plan, f64, &mut Workspace) -> Outcome;
-        let attempts: [Attempt; 8] = [
+        let attempts: [Attempt; 9] = [
             |plan, _, ws| plan.secant_homotopy(ws),
             |plan, _, ws| plan.stiffness_homotopy(ws),
             |plan, _, ws| plan.contact_homotopy(ws),
             |plan, _, ws| plan.excitation_homotopy(ws),
             Self::damping_homotopy,
             |plan, _, ws| plan.arclength_homotopy(ws),
+            |plan, _, ws| plan.start_at_rest(ws),
             |plan, _, ws| plan.perturbed_starts(ws),
             Self::detour,
         ];
@@ -430,6 +431,15 @@ impl Plan {
             }
         }
         Outcome { converged: false, residual: f64::INFINITY, ..outcome }
+    }
+
+    /// Newton's method from no motion at all: its first step is the motion with the tangents at rest. Friction that depends on
+    /// the velocity is a damper there, and may be a staircase at any larger motion.
+    fn start_at_rest(&self, ws: &mut Workspace) -> Outcome {
+        ws.stats.starts_at_rest += 1;
+        let slots = self.rungs[ws.goal].slots;
+        ws.unknowns[..slots * ws.point.width()].fill(c64::ZERO);
+        self.iterate(ws.goal, slots, Homotopy::NONE, ws)
     }
 
     /// The free response scaled and turned at random, from a fixed seed.
