@@ -36,7 +36,7 @@ impl Own {
         patience: &Patience,
     ) -> Result<Self> {
         let settings = Settings { samples, slaving: samples.is_none(), ..Settings::new(harmonics) };
-        let plan = Plan::new(scene.scene.problem(), &settings)?;
+        let plan = Plan::new(scene.scene.problem()?, &settings)?;
         let mut workspace = plan.workspace();
         let mut solutions = vec![Solution::default(); scene.frequencies.len()];
         let timed = patience.time(|| {
