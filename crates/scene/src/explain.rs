@@ -147,9 +147,12 @@ fn reduction(prepared: &Prepared) -> Step {
         );
     };
     let nonzeros = sparse.model.nonzeros();
-    let Some(Reduced { key, reduction }) = &prepared.posed.reduced else {
+    let Some(Reduced { key, reduction }) = prepared.posed.and_then(|posed| posed.reduced.as_ref()) else {
         let why = match sparse.wish {
-            Wish::Full => "the scene asks for none".to_owned(),
+            Wish::Full if prepared.posed.is_none() => {
+                "the scene asks for none; a sparse factor at every frequency and harmonic".to_owned()
+            }
+            Wish::Full => "the scene asks for none; solved as dense matrices".to_owned(),
             _ => format!("it pays from {} dofs on", SMALL + 1),
         };
         return step(

@@ -1,10 +1,10 @@
 //! From the wish to the problem: the dofs that matter are kept, a large structure is reduced onto them.
 
-use hbm::{Contact, Excitation, ExcitationKind, Model, Problem};
-use structure::{ModeCount, Progress};
+use hbm::{Contact, Excitation, ExcitationKind, Problem};
+use structure::{ModeCount, Progress, SparseDamping, SparseModel};
 
 use crate::error::SceneError;
-use crate::reduction::{Reduced, ReductionFacts};
+use crate::reduction::{Reduced, ReductionFacts, SMALL, Wish};
 use crate::scene::Scene;
 use crate::structure::{Structure, with_base};
 
@@ -27,6 +27,17 @@ fn kept(excitation: &[Excitation], contacts: &[Contact], output: &[usize]) -> Ve
 }
 
 impl Scene {
+    /// The problem on a structure that is large and not to be reduced, and M r of its base motions. Modal damping needs
+    /// the modes of dense matrices.
+    pub(crate) fn direct(&self) -> Option<(Problem<SparseModel>, Vec<Vec<f64>>)> {
+        let Structure::Sparse(sparse) = &self.structure else { return None };
+        let modal = matches!(sparse.model.damping, SparseDamping::ModalRatio(_));
+        if sparse.wish != Wish::Full || sparse.model.dofs() <= SMALL || modal {
+            return None;
+        }
+        Some((self.problem_of(sparse.model.clone(), Some), sparse.base_loads(&self.directions)))
+    }
+
     pub(crate) fn pose(&self, progress: &mut dyn FnMut(Progress)) -> Result<Posed, SceneError> {
         match &self.structure {
             Structure::Dense { dofs, model, mass } => {
@@ -57,7 +68,7 @@ impl Scene {
     }
 
     /// The problem on a model in which the dofs have other numbers; those without one are not in it.
-    fn problem_of(&self, model: Model, number: impl Fn(usize) -> Option<usize>) -> Problem {
+    fn problem_of<M>(&self, model: M, number: impl Fn(usize) -> Option<usize>) -> Problem<M> {
         let moved = |entry: &Excitation| match entry.kind {
             ExcitationKind::Base => Some(*entry),
             _ => Some(Excitation { dof: number(entry.dof)?, ..*entry }),

@@ -16,7 +16,8 @@ use crate::scene::Scene;
 #[derive(Debug)]
 pub struct Prepared<'s> {
     pub(crate) scene: &'s Scene,
-    pub(crate) posed: &'s Posed,
+    /// Not there where a large structure is solved as it is.
+    pub(crate) posed: Option<&'s Posed>,
     pub(crate) plan: Plan,
     setup: Duration,
 }
@@ -39,18 +40,18 @@ pub struct Solved<'s> {
 }
 
 impl<'s> Prepared<'s> {
-    pub(crate) fn new(scene: &'s Scene, posed: &'s Posed, plan: Plan, setup: Duration) -> Self {
+    pub(crate) fn new(scene: &'s Scene, posed: Option<&'s Posed>, plan: Plan, setup: Duration) -> Self {
         Self { scene, posed, plan, setup }
     }
 
     /// How the structure was reduced, where it was.
     pub fn reduction(&self) -> Option<ReductionFacts> {
-        self.posed.facts(self.scene.dofs().len())
+        self.posed?.facts(self.scene.dofs().len())
     }
 
     /// What a user should know about the scene's data and its reduction.
     pub fn notes(&self) -> Vec<String> {
-        [self.scene.notes(), &self.posed.notes()].concat()
+        [self.scene.notes(), &self.posed.map(Posed::notes).unwrap_or_default()].concat()
     }
 
     /// What the scene needs and what it leaves out, and why.

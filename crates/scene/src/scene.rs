@@ -265,9 +265,16 @@ impl Scene {
     /// [`SceneError`] when the problem cannot be solved as posed.
     pub fn prepare_with(&self, progress: &mut dyn FnMut(Progress)) -> Result<Prepared<'_>, SceneError> {
         let began = Instant::now();
-        let posed = self.posed(progress)?;
-        let plan = Plan::new(&posed.problem, &self.settings)
-            .map_err(|error| SceneError::entry(&error.place, error.problem))?;
+        let refused = |error: hbm::PlanError| SceneError::entry(&error.place, error.problem);
+        let (posed, plan) = match self.direct() {
+            Some((problem, base)) => {
+                (None, Plan::direct_with_base(&problem, &base, &self.settings).map_err(refused)?)
+            }
+            None => {
+                let posed = self.posed(progress)?;
+                (Some(posed), Plan::new(&posed.problem, &self.settings).map_err(refused)?)
+            }
+        };
         Ok(Prepared::new(self, posed, plan, self.read_in + began.elapsed()))
     }
 }

@@ -30,6 +30,8 @@ impl Sparse {
         let damping = match damping {
             GivenDamping::Matrix(matrix) => SparseDamping::Matrix(matrix.sparse()),
             GivenDamping::Rayleigh { mass, stiffness } => SparseDamping::Rayleigh { mass, stiffness },
+            // Without damping no mode is needed.
+            GivenDamping::ModalRatio(0.0) => SparseDamping::Rayleigh { mass: 0.0, stiffness: 0.0 },
             GivenDamping::ModalRatio(ratio) => SparseDamping::ModalRatio(ratio),
         };
         let model = SparseModel::new(mass.sparse(), damping, stiffness.sparse()).map_err(refused)?;

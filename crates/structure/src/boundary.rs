@@ -42,7 +42,10 @@ impl SparseModel {
         if n > MOST_DENSE_DOFS {
             return Err(ModelError::new(
                 "reduction",
-                format!("{n} dofs are too many to be solved as they are (at most {MOST_DENSE_DOFS})"),
+                format!(
+                    "{n} dofs are too many to be made dense (at most {MOST_DENSE_DOFS}), which modal damping, orbits and \
+                     curves need; let the structure be reduced"
+                ),
             ));
         }
         let damping = match &self.damping {
