@@ -290,7 +290,7 @@ fn damping_and_base_motions_are_reduced_with_the_structure() {
         let full = Model::new(model.mass.to_dense(), dense, model.stiffness.to_dense()).unwrap();
         let options =
             ReductionOptions { modes: ModeCount::Automatic { tolerance }, lowest: 20.0, highest: 90.0 };
-        let reduction = reduce(&model, &keep, &[motion.clone()], &options, &mut |_| {}).unwrap();
+        let reduction = reduce(&model, &keep, std::slice::from_ref(&motion), &options, &mut |_| {}).unwrap();
         assert!(reduction.error.unwrap() <= tolerance, "{:?}", reduction.error);
         for hz in [31.0, 58.0, 88.0] {
             // Masses of 1 kg: M r = r.
