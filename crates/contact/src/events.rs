@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::error::LawError;
 use crate::law::{Marks, Motion, Workspace};
 use crate::tangent::Recall;
-use crate::turning_points::{TurningPoint, drop_from, jet};
+use crate::turning_points::{TurningPoint, drop_from, halley, jet, settled};
 
 /// A stretch of the period on which an element of the contact has the force `f(τ) = stiffness · w(τ) + offset`. The
 /// stretches of several elements in parallel may overlap: their forces add up.
@@ -50,7 +50,7 @@ pub trait PiecewiseLinear {
 const SHORT: f64 = 1e-8;
 
 /// Phase at which the displacement has gone the way `rise` (with its sign) from one turning point to the next, by `total`:
-/// Newton's method kept inside the bracket, started from the half cosine between the two. A `close` way is measured
+/// Halley's method kept inside the bracket, started from the half cosine between the two. A `close` way is measured
 /// without cancellation.
 pub(crate) fn crossing(
     spectrum: &[Complex64],
@@ -64,6 +64,7 @@ pub(crate) fn crossing(
     let mut at = left + (right - left) * 2.0 * part.sqrt().asin() / PI;
     let rising = total > 0.0;
     let close = close || part < SHORT;
+    let mut before = 0.0;
     for _ in 0..60 {
         let here = jet(spectrum, at);
         let way = if close {
@@ -80,11 +81,14 @@ pub(crate) fn crossing(
         } else {
             left = at;
         }
-        let newton = at - beyond / here.velocity;
-        let next = if newton > left && newton < right { newton } else { 0.5 * (left + right) };
-        let settled = (next - at).abs() <= 2.0 * f64::EPSILON * next.abs().max(1.0);
-        at = next;
-        if settled {
+        let step = halley(beyond, here.velocity, here.acceleration);
+        let inside = at + step > left && at + step < right;
+        let next = if inside { at + step } else { 0.5 * (left + right) };
+        let length = (next - at).abs();
+        let enough =
+            length <= 2.0 * f64::EPSILON * next.abs().max(1.0) || (inside && settled(length, before));
+        (at, before) = (next, if inside { length } else { 0.0 });
+        if enough {
             break;
         }
     }

@@ -84,8 +84,8 @@ impl PieceSeries {
         if p == 0 { 0.5 * sum } else { sum }
     }
 
-    /// Calls `receive` for every distinct memory with its one-sided influence at each of `orders`, in N/m.
-    pub(crate) fn memories(&mut self, orders: &[usize], mut receive: impl FnMut(Recall, usize, c64)) {
+    /// The distinct memories; appends the one-sided influence of each at `orders` in N/m to `influences`.
+    pub(crate) fn memories(&mut self, orders: &[usize], influences: &mut Vec<c64>) -> &[Recall] {
         let length = self.stiffness.len();
         self.recalls.clear();
         for (recall, _) in self.pieces.iter().filter_map(|piece| piece.memory) {
@@ -102,9 +102,10 @@ impl PieceSeries {
                         (own == recall).then(|| row[order] * strength)
                     })
                     .sum();
-                receive(recall, order, if order == 0 { sum } else { 2.0 * sum });
+                influences.push(if order == 0 { sum } else { 2.0 * sum });
             }
         }
+        &self.recalls
     }
 }
 

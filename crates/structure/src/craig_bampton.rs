@@ -45,8 +45,8 @@ struct Partition {
 
 /// Reduces `model` onto the dofs `keep` and modes.
 ///
-/// `base_motions` are displacement vectors r of all dofs; the reduced model carries TᵀMr as its base loads. Rayleigh
-/// damping stays Rayleigh damping, a matrix D becomes TᵀDT, and a modal ratio is given to every mode of the reduced
+/// `base_loads` are vectors M r in kg on all dofs, where M may be that of a structure whose held dofs were left out
+/// since; the reduced model carries TᵀM r. Rayleigh damping stays Rayleigh damping, a matrix D becomes TᵀDT, and a modal ratio is given to every mode of the reduced
 /// structure.
 ///
 /// Modes are those with the kept dofs held, all of them up to a frequency (counted by the inertia of C − λM). With
@@ -59,15 +59,14 @@ struct Partition {
 pub fn reduce(
     model: &SparseModel,
     keep: &[usize],
-    base_motions: &[Vec<f64>],
+    base_loads: &[Vec<f64>],
     options: &ReductionOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reduction, ReductionError> {
     let n = model.mass.nrows();
-    check(n, keep, base_motions, options)?;
+    check(n, keep, base_loads, options)?;
     let partition = Partition::new(n, keep);
-    let motions = Mat::from_fn(n, base_motions.len(), |i, k| base_motions[k][i]);
-    let base = transpose_times(&model.mass, motions.as_ref());
+    let base = Mat::from_fn(n, base_loads.len(), |i, k| base_loads[k][i]);
     if partition.inner.is_empty() {
         let shapes = partition.shapes(keep, &Mat::new(), &Mat::new());
         let model = project(model, &shapes, &base)?;
@@ -142,7 +141,7 @@ pub fn reduce(
 fn check(
     n: usize,
     keep: &[usize],
-    base_motions: &[Vec<f64>],
+    base_loads: &[Vec<f64>],
     options: &ReductionOptions,
 ) -> Result<(), ReductionError> {
     let mut kept = vec![false; n];
@@ -154,8 +153,8 @@ fn check(
         }
     }
     let odd = |motion: &Vec<f64>| motion.len() != n || motion.iter().any(|x| !x.is_finite());
-    if let Some(index) = base_motions.iter().position(odd) {
-        return Err(ReductionError::BaseMotion { index, dofs: n });
+    if let Some(index) = base_loads.iter().position(odd) {
+        return Err(ReductionError::BaseLoad { index, dofs: n });
     }
     let ReductionOptions { lowest, highest, modes } = *options;
     if !(lowest >= 0.0 && lowest <= highest && highest > 0.0 && highest.is_finite()) {

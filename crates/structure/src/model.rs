@@ -137,7 +137,7 @@ impl Model {
 }
 
 impl ModelError {
-    fn new(matrix: &'static str, problem: impl Into<String>) -> Self {
+    pub(crate) fn new(matrix: &'static str, problem: impl Into<String>) -> Self {
         Self { matrix, problem: problem.into() }
     }
 }
