@@ -290,7 +290,7 @@ fn damping_and_base_motions_are_reduced_with_the_structure() {
         let full = Model::new(model.mass.to_dense(), dense, model.stiffness.to_dense()).unwrap();
         let options =
             ReductionOptions { modes: ModeCount::Automatic { tolerance }, lowest: 20.0, highest: 90.0 };
-        let reduction = reduce(&model, &keep, &[motion.clone()], &options, &mut |_| {}).unwrap();
+        let reduction = reduce(&model, &keep, std::slice::from_ref(&motion), &options, &mut |_| {}).unwrap();
         assert!(reduction.error.unwrap() <= tolerance, "{:?}", reduction.error);
         for hz in [31.0, 58.0, 88.0] {
             // Masses of 1 kg: M r = r.
@@ -315,7 +315,7 @@ fn misuse_is_named() {
     assert_eq!(fails(&[3, 25], &[], good), ReductionError::NoSuchDof { dof: 25, dofs: 25 });
     assert_eq!(fails(&[3, 7, 3], &[], good), ReductionError::KeptTwice { dof: 3 });
     let motions = [vec![1.0; 25], vec![1.0; 24]];
-    assert_eq!(fails(&[3], &motions, good), ReductionError::BaseMotion { index: 1, dofs: 25 });
+    assert_eq!(fails(&[3], &motions, good), ReductionError::BaseLoad { index: 1, dofs: 25 });
     for (lowest, highest) in [(0.0, 0.0), (20.0, 10.0), (-1.0, 10.0), (0.0, f64::NAN), (0.0, f64::INFINITY)] {
         let error = fails(&[3], &[], ReductionOptions { lowest, highest, ..good });
         assert!(matches!(error, ReductionError::Options(_)), "{error}");
