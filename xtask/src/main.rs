@@ -6,6 +6,7 @@ mod estimates;
 mod extreme;
 mod figures;
 mod fuzz;
+mod generate_model;
 mod iwan;
 mod library;
 mod loop_family;
@@ -40,6 +41,7 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   extreme                  cases at the limits of every quantity, labelled and judged; writes the tables of docs/src/extreme.md
                            (release build; --quick a twentieth of them, --seed S others, --case ID one alone)
   fuzz [SECONDS]           coverage-guided fuzzing of scenes, records and studies; needs a nightly compiler and cargo-fuzz
+  generate-model KIND      a finite-element model and a scene: blade, sector, ring or lumped (release build; --help)
   iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
   loop-family FILE…        the same question to measured records at several amplitudes; prints a table
@@ -70,6 +72,7 @@ fn run() -> Result<()> {
         ["estimates", names @ ..] => estimates::run(&root(), names),
         ["extreme", words @ ..] => extreme::run(&root(), words),
         ["fuzz", seconds @ ..] => fuzz::run(&root(), seconds),
+        ["generate-model", words @ ..] => generate_model::run(words),
         ["iwan"] => iwan::write(&root()),
         ["iwan", "--check"] => iwan::check(&root()),
         ["loop-family", "--check"] => loop_family::check(&root()),

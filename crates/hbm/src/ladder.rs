@@ -244,7 +244,7 @@ impl Plan {
     }
 
     /// Solves `(1 + Ĝ K̂) û = û⁰` in every slot with the secant stiffnesses of the point.
-    fn solve_with_secants(&self, slots: usize, ws: &mut Workspace) {
+    pub(crate) fn solve_with_secants(&self, slots: usize, ws: &mut Workspace) {
         let width = ws.point.width();
         for slot in 0..slots {
             for column in 0..width {

@@ -2,18 +2,21 @@
 
 use contact::TurningPoints;
 use faer::{Mat, c64};
+use structure::SparseModel;
 
 use crate::balance::{Balance, BalanceBuffers};
 use crate::condensation::{Condensed, Structure};
 use crate::dense::Lu;
 use crate::error::PlanError;
 use crate::harmonics::Harmonics;
+use crate::matrices::Matrices;
 use crate::newton::{Criteria, NewtonBuffers};
 use crate::point::Point;
 use crate::problem::{Contact, ExcitationKind, Problem};
 use crate::scalar::Root;
 use crate::settings::{Settings, Start};
 use crate::solution::Stats;
+use crate::sparse::SparseMatrices;
 use crate::transform::Transform;
 
 /// What a plan uses and what it leaves out, for a reader.
@@ -130,8 +133,45 @@ impl Plan {
     /// [`PlanError`] naming what cannot be: an excitation harmonic above N, a dof that does not exist, a contact of a
     /// dof with itself.
     pub fn new(problem: &Problem, settings: &Settings) -> Result<Self, PlanError> {
-        check(problem, settings)?;
-        check_size(problem, settings)?;
+        let model = &problem.model;
+        check(problem, model.dofs(), model.base_loads().len(), settings)?;
+        check_size(problem, model.dofs(), settings)?;
+        let matrices = Matrices::Dense {
+            mass: model.mass().clone(),
+            damping: model.damping().clone(),
+            stiffness: model.stiffness().clone(),
+        };
+        Ok(Self::make(problem, matrices, model.base_loads(), settings))
+    }
+
+    /// Plans a problem whose structure is not reduced: at every frequency the sparse dynamic stiffness of every harmonic
+    /// is factored. A reduced model is faster by far at more than a few frequencies.
+    ///
+    /// # Errors
+    /// As [`Plan::new`]; also modal damping, which needs modes, and matrices whose factors do not fit into memory.
+    pub fn direct(problem: &Problem<SparseModel>, settings: &Settings) -> Result<Self, PlanError> {
+        let model = &problem.model;
+        let dofs = model.mass.nrows();
+        check(problem, dofs, 1, settings)?;
+        check_size(problem, dofs, settings)?;
+        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
+        let matrices = Matrices::Sparse(SparseMatrices::new(model, &contacts)?);
+        let mut inertia = vec![0.0; dofs];
+        for entry in model.mass.triplet_iter() {
+            if let Some(sum) = inertia.get_mut(entry.row) {
+                *sum += *entry.val;
+            }
+        }
+        Ok(Self::make(problem, matrices, &[inertia], settings))
+    }
+
+    /// The plan of a problem that was checked.
+    fn make<M>(
+        problem: &Problem<M>,
+        matrices: Matrices,
+        base_loads: &[Vec<f64>],
+        settings: &Settings,
+    ) -> Self {
         let contacts = problem.contacts.clone();
         let nature = |c: &Contact| c.law.nature();
         let mean_is_free = contacts.iter().all(|c| !nature(c).determines_mean);
@@ -173,8 +213,9 @@ impl Plan {
         }
         let carrying: std::collections::BTreeSet<usize> =
             contacts.iter().flat_map(|c| [Some(c.first), c.second]).flatten().collect();
-        Ok(Self {
-            structure: Structure::new(problem, &harmonics),
+        Self {
+            condensed_dofs: matrices.dofs() - carrying.len(),
+            structure: Structure::new(problem, matrices, base_loads, &harmonics),
             harmonics,
             rungs,
             top,
@@ -183,9 +224,8 @@ impl Plan {
             exact,
             scalar,
             scalar_start,
-            condensed_dofs: problem.model.dofs() - carrying.len(),
             contacts,
-        })
+        }
     }
 
     /// Harmonics of Ω that are not identically zero, ascending; columns of every spectrum in a
@@ -321,8 +361,8 @@ fn ladder(harmonics: &Harmonics) -> Vec<usize> {
 const MOST_BYTES: f64 = 4e9;
 
 /// Refuses what would not fit into memory before anything is allocated.
-fn check_size(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
-    let (contacts, dofs) = (problem.contacts.len() as f64, problem.model.dofs() as f64);
+fn check_size<M>(problem: &Problem<M>, dofs: usize, settings: &Settings) -> Result<(), PlanError> {
+    let (contacts, dofs) = (problem.contacts.len() as f64, dofs as f64);
     // Sized as if no harmonic could be left out or slaved.
     let harmonics = settings.harmonics as f64;
     let unknowns = 2.0 * (harmonics + 1.0) * contacts;
@@ -345,9 +385,13 @@ fn check_size(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
 /// So many real unknowns always fit.
 const SAFE_UNKNOWNS: f64 = 16_384.0;
 
-fn check(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
+fn check<M>(
+    problem: &Problem<M>,
+    n: usize,
+    base_motions: usize,
+    settings: &Settings,
+) -> Result<(), PlanError> {
     let error = |place: String, problem: String| Err(PlanError { place, problem });
-    let n = problem.model.dofs();
     let most = settings.harmonics;
     if most == 0 || most > MOST_HARMONICS {
         return error("harmonics".into(), format!("must be between 1 and {MOST_HARMONICS}, got {most}"));
@@ -366,7 +410,7 @@ fn check(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
             return error(format!("excitation[{i}]"), "amplitude and phase must be finite".into());
         }
         let (known, of_what) = match excitation.kind {
-            ExcitationKind::Base => (problem.model.base_loads().len(), "base motions"),
+            ExcitationKind::Base => (base_motions, "base motions"),
             ExcitationKind::Force | ExcitationKind::Unbalance => (n, "dofs"),
         };
         if excitation.dof >= known {

@@ -4,10 +4,18 @@
 //! [`SparseModel`], from Matrix Market or NumPy files, and is reduced onto the dofs that carry contacts, excitation and
 //! output. Dofs are counted from zero; SI units.
 
+mod craig_bampton;
 mod error;
+mod factor;
 mod model;
+mod modes;
+mod pencil;
+mod receptance_error;
+mod reduction;
 mod sparse;
 
+pub use craig_bampton::reduce;
 pub use error::ModelError;
 pub use model::{Damping, Model};
+pub use reduction::{ModeCount, Progress, Reduction, ReductionError, ReductionOptions};
 pub use sparse::{SparseDamping, SparseModel};
