@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::error::LawError;
 use crate::law::{Marks, Motion, Workspace};
 use crate::tangent::Recall;
-use crate::turning_points::{TurningPoint, drop_from, halley, jet, settled};
+use crate::turning_points::{TurningPoint, drop_from, halley, has_odd_only, jet_of, settled};
 
 /// A stretch of the period on which an element of the contact has the force `f(τ) = stiffness · w(τ) + offset`. The
 /// stretches of several elements in parallel may overlap: their forces add up.
@@ -34,7 +34,9 @@ pub struct ForcePiece {
 /// A law whose force is piecewise linear in the displacement. Its harmonics and their derivatives are then closed
 /// expressions of the events' phases; the phases themselves need no derivative, since the force is continuous there.
 pub trait PiecewiseLinear {
-    /// The pieces of one period of `motion`, into `pieces`. Only spectrum and velocity samples of the motion are used.
+    /// The pieces of one period of `motion`, into `pieces`; of an odd motion those of half a period, which the other half
+    /// mirrors: the same stiffness, the other sign of offset and memory. Only spectrum and velocity samples of the motion
+    /// are used.
     ///
     /// # Errors
     /// [`LawError`] when the motion has no force under this law.
@@ -64,9 +66,10 @@ pub(crate) fn crossing(
     let mut at = left + (right - left) * 2.0 * part.sqrt().asin() / PI;
     let rising = total > 0.0;
     let close = close || part < SHORT;
+    let odd = has_odd_only(spectrum);
     let mut before = 0.0;
     for _ in 0..60 {
-        let here = jet(spectrum, at);
+        let here = jet_of(spectrum, odd, at);
         let way = if close {
             -drop_from(spectrum, start.tau, at - start.tau)
         } else {

@@ -36,34 +36,66 @@ pub(crate) struct Jet {
     jerk: f64,
 }
 
-pub(crate) fn jet(spectrum: &[Complex64], tau: f64) -> Jet {
+fn jet(spectrum: &[Complex64], tau: f64) -> Jet {
+    jet_of(spectrum, has_odd_only(spectrum), tau)
+}
+
+/// Whether all even harmonics are zero.
+pub(crate) fn has_odd_only(spectrum: &[Complex64]) -> bool {
+    spectrum.iter().step_by(2).all(|c| *c == Complex64::ZERO)
+}
+
+/// The jet of a motion of which it is known whether it has odd harmonics only.
+pub(crate) fn jet_of(spectrum: &[Complex64], odd: bool, tau: f64) -> Jet {
     let turn = Complex64::cis(tau);
-    let step = turn * turn;
-    // Even and odd harmonics side by side: each power waits for the one before it.
-    let mut waves = [Complex64::ONE, turn];
-    let mut orders = [0.0, 1.0];
-    let (mut w, mut v, mut a, mut j) = ([0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2]);
-    let mut add = |side: usize, amplitude: &Complex64, wave: Complex64, k: f64| {
-        let term = amplitude * wave;
-        let (re, im) = (k * term.re, k * term.im);
-        w[side] += term.re;
-        v[side] -= im;
-        a[side] -= k * re;
-        j[side] += k * k * im;
-    };
-    let (pairs, rest) = spectrum.as_chunks::<2>();
-    for pair in pairs {
-        for side in 0..2 {
-            add(side, &pair[side], waves[side], orders[side]);
-            waves[side] *= step;
-            orders[side] += 2.0;
+    let square = turn * turn;
+    // Two harmonics side by side, since each power waits for the one before it: 0 and 1, or 1 and 3, and so on.
+    if odd {
+        let (fours, rest) = spectrum.as_chunks::<4>();
+        let start = Waves { waves: [turn, turn * square], orders: [1.0, 3.0] };
+        let pairs = fours.iter().map(|four| [four[1], four[3]]);
+        let last = rest.get(1).copied().unwrap_or(Complex64::ZERO);
+        start.sum(pairs, [last, rest.get(3).copied().unwrap_or(Complex64::ZERO)], square * square, 4.0)
+    } else {
+        let (pairs, rest) = spectrum.as_chunks::<2>();
+        let start = Waves { waves: [Complex64::ONE, turn], orders: [0.0, 1.0] };
+        let last = rest.first().copied().unwrap_or(Complex64::ZERO);
+        start.sum(pairs.iter().copied(), [last, Complex64::ZERO], square, 2.0)
+    }
+}
+
+/// e^{ikτ} of two orders k.
+struct Waves {
+    waves: [Complex64; 2],
+    orders: [f64; 2],
+}
+
+impl Waves {
+    /// The jet of all `pairs` of amplitudes and a last one, each `stride` orders above the one before.
+    #[inline(always)]
+    fn sum(
+        mut self,
+        pairs: impl Iterator<Item = [Complex64; 2]>,
+        last: [Complex64; 2],
+        step: Complex64,
+        stride: f64,
+    ) -> Jet {
+        let (mut w, mut v, mut a, mut j) = ([0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2]);
+        for pair in pairs.chain(std::iter::once(last)) {
+            for side in 0..2 {
+                let (term, k) = (pair[side] * self.waves[side], self.orders[side]);
+                let (re, im) = (k * term.re, k * term.im);
+                w[side] += term.re;
+                v[side] -= im;
+                a[side] -= k * re;
+                j[side] += k * k * im;
+                self.waves[side] *= step;
+                self.orders[side] += stride;
+            }
         }
+        let sum = |x: [f64; 2]| x[0] + x[1];
+        Jet { displacement: sum(w), velocity: sum(v), acceleration: sum(a), jerk: sum(j) }
     }
-    for last in rest {
-        add(0, last, waves[0], orders[0]);
-    }
-    let sum = |x: [f64; 2]| x[0] + x[1];
-    Jet { displacement: sum(w), velocity: sum(v), acceleration: sum(a), jerk: sum(j) }
 }
 
 /// Halley's step to a zero of a function with these value and derivatives: Newton's, corrected by the curvature.
@@ -89,7 +121,8 @@ fn zero_of_velocity(
     mut at: f64,
     rising: bool,
 ) -> TurningPoint {
-    let mut here = jet(spectrum, at);
+    let odd = has_odd_only(spectrum);
+    let mut here = jet_of(spectrum, odd, at);
     let mut before = 0.0;
     for _ in 0..60 {
         if here.velocity == 0.0 {
@@ -123,7 +156,7 @@ fn zero_of_velocity(
             before = 0.0;
             at = middle;
         }
-        here = jet(spectrum, at);
+        here = jet_of(spectrum, odd, at);
     }
     TurningPoint { tau: at, displacement: here.displacement, acceleration: here.acceleration }
 }

@@ -228,7 +228,7 @@ impl Balance<'_> {
         if let Some(events) = events {
             contact.marks = Some(events.pieces(&motion, &mut contact.law, &mut contact.events.pieces)?);
             let orders = &self.orders[..slots];
-            contact.events.integrate(&contact.spectrum, orders.last().copied().unwrap_or(0));
+            contact.events.integrate(&contact.spectrum, orders.last().copied().unwrap_or(0), self.odd);
             if slots > DIRECT {
                 self.convolve(contact, &mut buffers.fft);
                 let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
