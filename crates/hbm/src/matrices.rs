@@ -2,7 +2,9 @@
 
 use faer::{Mat, MatMut, c64};
 
+use crate::condensation::Load;
 use crate::dense::Lu;
+use crate::modal::Modal;
 use crate::sparse::{SparseFactor, SparseMatrices};
 
 /// M, D and C of the structure.
@@ -17,6 +19,8 @@ pub(crate) enum Matrices {
 pub(crate) struct Additions<'a> {
     /// Structural damping, as a part of every dof's own dynamic stiffness.
     pub(crate) damping: f64,
+    /// This times the mass is taken off D, in 1/s.
+    pub(crate) self_excitation: f64,
     /// First and second dof of every contact.
     pub(crate) contacts: &'a [(usize, Option<usize>)],
     /// A spring at every contact in N/m, most of them zero.
@@ -26,7 +30,7 @@ pub(crate) struct Additions<'a> {
 /// The dynamic stiffness of one harmonic, factored; buffers are reused.
 pub(crate) enum Factor {
     Dense(Lu<c64>),
-    Sparse(SparseFactor),
+    Sparse(Box<SparseFactor>),
 }
 
 impl Matrices {
@@ -37,11 +41,26 @@ impl Matrices {
         }
     }
 
+    /// The modes of dense matrices, where damping leaves them uncoupled and they are worth it.
+    pub(crate) fn modal(
+        &self,
+        contacts: &[(usize, Option<usize>)],
+        outputs: &[usize],
+        loads: &[Vec<Load>],
+    ) -> Option<Modal> {
+        match self {
+            Self::Dense { mass, damping, stiffness } => {
+                Modal::new(mass, damping, stiffness, contacts, outputs, loads)
+            }
+            Self::Sparse(_) => None,
+        }
+    }
+
     /// Buffers for one thread, for so many right-hand sides.
     pub(crate) fn factor(&self, columns: usize) -> Factor {
         match self {
             Self::Dense { mass, .. } => Factor::Dense(Lu::new(mass.nrows(), columns)),
-            Self::Sparse(matrices) => Factor::Sparse(matrices.factor()),
+            Self::Sparse(matrices) => Factor::Sparse(Box::new(matrices.factor())),
         }
     }
 
@@ -67,7 +86,7 @@ impl Matrices {
                     for i in 0..n {
                         let entry = c64::new(
                             stiffness[(i, j)] - omega * omega * mass[(i, j)],
-                            omega * damping[(i, j)],
+                            omega * (damping[(i, j)] - additions.self_excitation * mass[(i, j)]),
                         );
                         lu.matrix[(i, j)] = entry * (scale[i] * scale[j]);
                     }

@@ -156,7 +156,7 @@ impl SparseMatrices {
             for (place, i) in self.column(j) {
                 let entry = c64::new(
                     self.stiffness[place] - omega * omega * self.mass[place],
-                    omega * self.damping[place],
+                    omega * (self.damping[place] - additions.self_excitation * self.mass[place]),
                 );
                 into.values[place] = entry * (scale[i] * scale[j]);
                 if i == j && omega > 0.0 {

@@ -1,6 +1,6 @@
 //! What a scene needs and what it leaves out, and why.
 
-use hbm::{Jacobian, PlanFacts, Settings, Start};
+use hbm::{Jacobian, PlanFacts, Receptances, Settings, Start};
 use serde::Serialize;
 
 use crate::reduction::{Reduced, SMALL, Wish};
@@ -191,12 +191,19 @@ fn reduction(prepared: &Prepared) -> Step {
 
 fn condensation(facts: &PlanFacts, output: usize) -> Step {
     let what = "condensation to the contacts";
+    let how = match facts.receptances {
+        Receptances::Dense => "",
+        Receptances::Modes => "; receptances are sums over modes",
+        Receptances::Sparse => "; a sparse factorisation a harmonic",
+    };
     match facts.condensed_dofs {
         0 => step(what, false, "every dof carries a contact"),
-        1 => step(what, true, format!("1 dof carries no contact; {output} output dof(s) are recovered")),
-        count => {
-            step(what, true, format!("{count} dofs carry no contact; {output} output dof(s) are recovered"))
-        }
+        1 => step(what, true, format!("1 dof carries no contact; {output} output dof(s) are recovered{how}")),
+        count => step(
+            what,
+            true,
+            format!("{count} dofs carry no contact; {output} output dof(s) are recovered{how}"),
+        ),
     }
 }
 
@@ -246,7 +253,10 @@ fn iteration(facts: &PlanFacts, jacobian: Jacobian) -> Vec<Step> {
         )];
     }
     vec![
-        step(newton, true, format!("{} real unknowns", facts.unknowns)),
+        step(newton, true, {
+            let how = if facts.krylov { ", steps by GMRES, preconditioned harmonic by harmonic" } else { "" };
+            format!("{} real unknowns{how}", facts.unknowns)
+        }),
         match jacobian {
             Jacobian::Analytic => step(derivative, true, "the usual choice; exact and cheap"),
             Jacobian::Difference => {

@@ -279,6 +279,7 @@ fn tried(stats: &hbm::Stats) -> Vec<&'static str> {
         ("homotopy in the excitation", stats.excitation_homotopies),
         ("homotopy in the damping", stats.damping_homotopies),
         ("homotopy along its arc", stats.arclength_homotopies),
+        ("start at rest", stats.starts_at_rest),
         ("perturbed starts", stats.perturbed_starts),
         ("detours over other frequencies", stats.detours),
     ];

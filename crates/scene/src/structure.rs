@@ -16,7 +16,7 @@ pub(crate) enum Structure {
     /// Matrices written in the scene.
     Dense {
         dofs: Dofs,
-        model: Model,
+        model: Box<Model>,
         /// M of all dofs, where some are held.
         mass: Option<Mat<f64>>,
     },
@@ -27,7 +27,7 @@ pub(crate) enum Structure {
 impl Structure {
     pub(crate) fn dense(given: Matrices) -> Result<Self, SceneError> {
         let (dofs, model, mass) = model::dense(given)?;
-        Ok(Self::Dense { dofs, model, mass })
+        Ok(Self::Dense { dofs, model: Box::new(model), mass })
     }
 
     pub(crate) fn dofs(&self) -> &Dofs {
