@@ -208,15 +208,15 @@ fn a_clamped_beam_has_the_frequencies_of_the_closed_form() {
 fn a_reduced_structure_answers_as_the_full_one() {
     let folder = TempDir::new().unwrap();
     let mut scene = BEAM.write(folder.path());
-    scene["model"]["reduction"] = json!({ "tolerance": 1e-5 });
+    scene["model"]["reduction"] = json!({ "tolerance": 1e-4 });
     let reduced = solve(&read(&scene, folder.path()));
     let facts = reduced.reduction.unwrap();
     assert_eq!((facts.dofs, facts.kept), (48, 2));
-    assert!(facts.modes < 46 && facts.error.unwrap() <= 1e-5, "{facts:?}");
+    assert!(facts.modes < 46 && facts.error.unwrap() <= 1e-4, "{facts:?}");
     scene["model"]["reduction"] = json!("none");
     let full = solve(&read(&scene, folder.path()));
     assert_eq!(full.reduction, None);
-    close(&amplitudes(&reduced), &amplitudes(&full), 3e-5);
+    close(&amplitudes(&reduced), &amplitudes(&full), 3e-4);
     let state = |outcome: &Outcome| -> Vec<&str> {
         outcome.points.iter().map(|point| point.contacts.as_ref().unwrap().0[0].1.state).collect()
     };
