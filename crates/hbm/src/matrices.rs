@@ -30,7 +30,7 @@ pub(crate) struct Additions<'a> {
 /// The dynamic stiffness of one harmonic, factored; buffers are reused.
 pub(crate) enum Factor {
     Dense(Lu<c64>),
-    Sparse(SparseFactor),
+    Sparse(Box<SparseFactor>),
 }
 
 impl Matrices {
@@ -60,7 +60,7 @@ impl Matrices {
     pub(crate) fn factor(&self, columns: usize) -> Factor {
         match self {
             Self::Dense { mass, .. } => Factor::Dense(Lu::new(mass.nrows(), columns)),
-            Self::Sparse(matrices) => Factor::Sparse(matrices.factor()),
+            Self::Sparse(matrices) => Factor::Sparse(Box::new(matrices.factor())),
         }
     }
 
