@@ -274,7 +274,7 @@ impl PiecewiseLinear for ElasticCoulomb {
             let memory = (!motion.odd).then_some((recall, -k));
             pieces.push(ForcePiece {
                 from: 0.0,
-                to: TAU,
+                to: if motion.odd { PI } else { TAU },
                 stiffness: k,
                 offset: -k * slider,
                 start_force: k * (path.tip(0) - slider),
@@ -287,7 +287,7 @@ impl PiecewiseLinear for ElasticCoulomb {
         let (mut anchor, mut anchored) = (0, self.slip_force);
         let close = tips.amplitude() > CLOSE * xc;
         let mut start_force = self.slip_force;
-        for r in 0..count {
+        for r in 0..distinct {
             let limit = if r % 2 == 1 { self.slip_force } else { -self.slip_force };
             let (start, mut end) = (path.point(r), path.point(r + 1));
             if r + 1 == count {
@@ -306,10 +306,7 @@ impl PiecewiseLinear for ElasticCoulomb {
             } else {
                 end.tau
             };
-            // In odd motion δw(τ + π) = −δw(τ): opposite turning points share one memory.
-            let tau = path.point(anchor % distinct).tau;
-            let strength = if anchor % (2 * distinct) < distinct { -k } else { k };
-            let memory = Some((Recall::Displacement { tau }, strength));
+            let memory = Some((Recall::Displacement { tau: path.point(anchor).tau }, -k));
             pieces.push(ForcePiece {
                 from: start.tau,
                 to: onset,

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::error::LawError;
 use crate::law::{Marks, Motion, Workspace};
 use crate::tangent::Recall;
-use crate::turning_points::{TurningPoint, drop_from, jet};
+use crate::turning_points::{TurningPoint, drop_from, halley, has_odd_only, jet_of, settled};
 
 /// A stretch of the period on which an element of the contact has the force `f(τ) = stiffness · w(τ) + offset`. The
 /// stretches of several elements in parallel may overlap: their forces add up.
@@ -34,7 +34,9 @@ pub struct ForcePiece {
 /// A law whose force is piecewise linear in the displacement. Its harmonics and their derivatives are then closed
 /// expressions of the events' phases; the phases themselves need no derivative, since the force is continuous there.
 pub trait PiecewiseLinear {
-    /// The pieces of one period of `motion`, into `pieces`. Only spectrum and velocity samples of the motion are used.
+    /// The pieces of one period of `motion`, into `pieces`; of an odd motion those of half a period, which the other half
+    /// mirrors: the same stiffness, the other sign of offset and memory. Only spectrum and velocity samples of the motion
+    /// are used.
     ///
     /// # Errors
     /// [`LawError`] when the motion has no force under this law.
@@ -50,7 +52,7 @@ pub trait PiecewiseLinear {
 const SHORT: f64 = 1e-8;
 
 /// Phase at which the displacement has gone the way `rise` (with its sign) from one turning point to the next, by `total`:
-/// Newton's method kept inside the bracket, started from the half cosine between the two. A `close` way is measured
+/// Halley's method kept inside the bracket, started from the half cosine between the two. A `close` way is measured
 /// without cancellation.
 pub(crate) fn crossing(
     spectrum: &[Complex64],
@@ -64,8 +66,10 @@ pub(crate) fn crossing(
     let mut at = left + (right - left) * 2.0 * part.sqrt().asin() / PI;
     let rising = total > 0.0;
     let close = close || part < SHORT;
+    let odd = has_odd_only(spectrum);
+    let mut before = 0.0;
     for _ in 0..60 {
-        let here = jet(spectrum, at);
+        let here = jet_of(spectrum, odd, at);
         let way = if close {
             -drop_from(spectrum, start.tau, at - start.tau)
         } else {
@@ -80,11 +84,14 @@ pub(crate) fn crossing(
         } else {
             left = at;
         }
-        let newton = at - beyond / here.velocity;
-        let next = if newton > left && newton < right { newton } else { 0.5 * (left + right) };
-        let settled = (next - at).abs() <= 2.0 * f64::EPSILON * next.abs().max(1.0);
-        at = next;
-        if settled {
+        let step = halley(beyond, here.velocity, here.acceleration);
+        let inside = at + step > left && at + step < right;
+        let next = if inside { at + step } else { 0.5 * (left + right) };
+        let length = (next - at).abs();
+        let enough =
+            length <= 2.0 * f64::EPSILON * next.abs().max(1.0) || (inside && settled(length, before));
+        (at, before) = (next, if inside { length } else { 0.0 });
+        if enough {
             break;
         }
     }

@@ -232,7 +232,7 @@ impl Balance<'_> {
         if let Some(events) = events {
             contact.marks = Some(events.pieces(&motion, &mut contact.law, &mut contact.events.pieces)?);
             let orders = &self.orders[..slots];
-            contact.events.integrate(&contact.spectrum, orders.last().copied().unwrap_or(0));
+            contact.events.integrate(&contact.spectrum, orders.last().copied().unwrap_or(0), self.odd);
             if slots > DIRECT {
                 self.convolve(contact, &mut buffers.fft);
                 let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
@@ -412,10 +412,9 @@ impl Balance<'_> {
         if self.exact && law.piecewise_linear().is_some() {
             let series = contact.events.stiffness();
             buffers.local[..series.len()].copy_from_slice(series);
-            contact.events.memories(orders, |recall, order, influence| {
-                buffers.influence.push(influence);
-                buffers.recall.push(recalled(recall, order));
-            });
+            for &recall in contact.events.memories(orders, &mut buffers.influence) {
+                recalled(recall, orders, &mut buffers.recall);
+            }
             return;
         }
         let motion = Motion {
@@ -434,7 +433,7 @@ impl Balance<'_> {
             let coefficients = self.transform.to_coefficients(&memory.influence, &mut buffers.fft);
             let one_sided = |order: usize| if order == 0 { 1.0 } else { 2.0 };
             buffers.influence.extend(orders.iter().map(|&order| coefficients[order] * one_sided(order)));
-            buffers.recall.extend(orders.iter().map(|&order| recalled(memory.recall, order)));
+            recalled(memory.recall, orders, &mut buffers.recall);
         }
     }
 
@@ -486,13 +485,26 @@ fn convolved(coefficients: &[c64], p: usize, j: usize, epsilon: f64) -> (c64, c6
     ((difference + sum) * epsilon, c64::new(-rotated.im, rotated.re) * epsilon)
 }
 
-/// What a functional makes of harmonic `order`: the coefficients of Re δW and Im δW.
-fn recalled(recall: Recall, order: usize) -> (f64, f64) {
-    let k = order as f64;
-    match recall {
-        // Re(δW e^{ikτ}) and Re(ik δW e^{ikτ}).
-        Recall::Displacement { tau } => ((k * tau).cos(), -(k * tau).sin()),
-        Recall::Velocity { tau } => (-k * (k * tau).sin(), -k * (k * tau).cos()),
-        Recall::Mean => (if order == 0 { 1.0 } else { 0.0 }, 0.0),
+/// What a functional makes of the harmonics `orders`: the coefficients of Re δW and Im δW, appended to `coefficients`.
+fn recalled(recall: Recall, orders: &[usize], coefficients: &mut Vec<(f64, f64)>) {
+    let tau = match recall {
+        Recall::Displacement { tau } | Recall::Velocity { tau } => tau,
+        Recall::Mean => {
+            return coefficients.extend(orders.iter().map(|&k| (if k == 0 { 1.0 } else { 0.0 }, 0.0)));
+        }
+    };
+    let turn = c64::cis(tau);
+    let mut reached = 0;
+    let mut wave = c64::ONE;
+    for &order in orders {
+        while reached < order {
+            wave *= turn;
+            reached += 1;
+        }
+        // Re(δW e^{ikτ}) or Re(ik δW e^{ikτ}).
+        coefficients.push(match recall {
+            Recall::Velocity { .. } => (-(order as f64) * wave.im, -(order as f64) * wave.re),
+            _ => (wave.re, -wave.im),
+        });
     }
 }

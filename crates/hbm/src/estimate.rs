@@ -153,7 +153,7 @@ impl Plan {
             .sum::<f64>()
             .sqrt();
         let tolerance = (DIGITS * added / ws.point.excitation_norm(to)).max(self.settings.tolerance);
-        let mut outcome = self.iterate_roughly(there, tolerance, FEW_STEPS, ws);
+        let mut outcome = self.iterate_roughly(there, to, tolerance, FEW_STEPS, ws);
         if !outcome.converged {
             ws.unknowns[..count].copy_from_slice(&ws.solved[..count]);
             let goal = std::mem::replace(&mut ws.goal, there);

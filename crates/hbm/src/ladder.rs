@@ -13,7 +13,10 @@ use crate::settings::many;
 const LEAST_CORE: usize = 31;
 
 /// Relative residual to which a rung on the way is solved: beyond it its own truncation error is larger.
-const ROUGHLY: f64 = 1e-4;
+const ROUGHLY: f64 = 3e-3;
+
+/// The same on the way of a homotopy.
+const PASSING: f64 = 1e-6;
 
 /// Perturbed starts tried at the end.
 const PERTURBED_STARTS: usize = 8;
@@ -42,9 +45,25 @@ impl Plan {
         homotopy: Homotopy,
         ws: &mut Workspace,
     ) -> Outcome {
-        let task = self.task(rung, slots, homotopy, &ws.point);
+        self.iterate_with(rung, slots, homotopy, self.criteria(), ws)
+    }
+
+    fn iterate_with(
+        &self,
+        rung: usize,
+        slots: usize,
+        homotopy: Homotopy,
+        criteria: Criteria,
+        ws: &mut Workspace,
+    ) -> Outcome {
+        let task = Task { criteria, ..self.task(rung, slots, homotopy, &ws.point) };
         let outcome = newton::solve(&task, &mut ws.unknowns, &mut ws.balance[rung], &mut ws.newton);
         ws.stats.iterations += outcome.iterations;
+        if std::env::var("TR").is_ok() {
+            let h = &ws.newton.history;
+            let h: Vec<String> = h.iter().map(|x| format!("{x:.0e}")).collect();
+            eprintln!("  rung {rung} it {} conv {} [{}]", outcome.iterations, outcome.converged, h.join(" "));
+        }
         outcome
     }
 
@@ -55,19 +74,17 @@ impl Plan {
         Task { balance, point, slots, core, krylov, homotopy, criteria: self.criteria() }
     }
 
-    /// Newton's method with all harmonics of `rung`, until the residual is below `tolerance`, in a few steps.
+    /// Newton's method on the first `slots` harmonics, until the residual is below `tolerance`, in a few steps.
     pub(crate) fn iterate_roughly(
         &self,
         rung: usize,
+        slots: usize,
         tolerance: f64,
         steps: usize,
         ws: &mut Workspace,
     ) -> Outcome {
-        let mut task = self.task(rung, self.rungs[rung].slots, Homotopy::NONE, &ws.point);
-        task.criteria = Criteria { tolerance, max_iterations: steps, polish: false, ..task.criteria };
-        let outcome = newton::solve(&task, &mut ws.unknowns, &mut ws.balance[rung], &mut ws.newton);
-        ws.stats.iterations += outcome.iterations;
-        outcome
+        let rough = Criteria { tolerance, max_iterations: steps, polish: false, ..self.criteria() };
+        self.iterate_with(rung, slots, Homotopy::NONE, rough, ws)
     }
 
     /// The step that Newton's method with the samples of `rung` would make, into `kept`; whether there is one.
@@ -95,13 +112,14 @@ impl Plan {
     pub(crate) fn fall_back(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
         let mut best = Outcome::NONE;
         type Attempt = fn(&Plan, f64, &mut Workspace) -> Outcome;
-        let attempts: [Attempt; 8] = [
+        let attempts: [Attempt; 9] = [
             |plan, _, ws| plan.secant_homotopy(ws),
             |plan, _, ws| plan.stiffness_homotopy(ws),
             |plan, _, ws| plan.contact_homotopy(ws),
             |plan, _, ws| plan.excitation_homotopy(ws),
             Self::damping_homotopy,
             |plan, _, ws| plan.arclength_homotopy(ws),
+            |plan, _, ws| plan.start_at_rest(ws),
             |plan, _, ws| plan.perturbed_starts(ws),
             Self::detour,
         ];
@@ -130,6 +148,8 @@ impl Plan {
         let goal = ws.goal;
         let core = self.core(self.rungs[goal].slots, &ws.point);
         let mut outcome = Outcome { converged: from > goal, residual: 0.0, ..Outcome::NONE };
+        // So many harmonics are solved, and one more fails.
+        let mut stuck = 0;
         for (index, rung) in self.rungs.iter().enumerate().take(goal + 1).skip(from) {
             // Between the harmonics that need Newton's method and all of them there is nothing to climb.
             if rung.slots > core && index < goal && reached >= core {
@@ -140,7 +160,7 @@ impl Plan {
             ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
             self.extend(index, reached, rung.slots, ws);
             outcome = if index < goal {
-                self.iterate_roughly(index, ROUGHLY, self.settings.max_iterations, ws)
+                self.iterate_roughly(index, rung.slots, ROUGHLY, self.settings.max_iterations, ws)
             } else {
                 self.iterate(index, rung.slots, Homotopy::NONE, ws)
             };
@@ -149,13 +169,25 @@ impl Plan {
                 continue;
             }
             ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
+            if rung.slots == reached + 1 || reached == stuck {
+                // One harmonic more was tried already.
+                stuck = reached;
+                continue;
+            }
             let mut slots = reached;
             while slots > 0 && slots < rung.slots {
                 ws.stats.extra_rungs += 1;
                 self.extend(index, slots, slots + 1, ws);
-                outcome = self.iterate(index, slots + 1, Homotopy::NONE, ws);
+                outcome = if slots + 1 < rung.slots || index < goal {
+                    self.iterate_roughly(index, slots + 1, ROUGHLY, self.settings.max_iterations, ws)
+                } else {
+                    self.iterate(index, slots + 1, Homotopy::NONE, ws)
+                };
                 if !outcome.converged {
                     ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
+                    if slots == reached {
+                        stuck = reached;
+                    }
                     break;
                 }
                 slots += 1;
@@ -376,7 +408,11 @@ impl Plan {
                     ws.unknowns[entry] = ws.kept[entry] + slope * ratio;
                 }
             }
-            outcome = self.iterate(last, slots, homotopy(next), ws);
+            let mut criteria = self.criteria();
+            if next < end {
+                criteria = Criteria { tolerance: PASSING, polish: false, ..criteria };
+            }
+            outcome = self.iterate_with(last, slots, homotopy(next), criteria, ws);
             if outcome.converged {
                 if next >= end {
                     return outcome;
@@ -399,6 +435,15 @@ impl Plan {
             }
         }
         Outcome { converged: false, residual: f64::INFINITY, ..outcome }
+    }
+
+    /// Newton's method from no motion at all: its first step is the motion with the tangents at rest. Friction that depends on
+    /// the velocity is a damper there, and may be a staircase at any larger motion.
+    fn start_at_rest(&self, ws: &mut Workspace) -> Outcome {
+        ws.stats.starts_at_rest += 1;
+        let slots = self.rungs[ws.goal].slots;
+        ws.unknowns[..slots * ws.point.width()].fill(c64::ZERO);
+        self.iterate(ws.goal, slots, Homotopy::NONE, ws)
     }
 
     /// The free response scaled and turned at random, from a fixed seed.

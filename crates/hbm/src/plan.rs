@@ -166,20 +166,37 @@ impl Plan {
     /// # Errors
     /// As [`Plan::new`]; also modal damping, which needs modes, and matrices whose factors do not fit into memory.
     pub fn direct(problem: &Problem<SparseModel>, settings: &Settings) -> Result<Self, PlanError> {
-        let model = &problem.model;
-        let dofs = model.mass.nrows();
-        check(problem, dofs, 1, settings)?;
-        // Sparse matrices take what they have entries for.
-        check_size(problem, 0, settings)?;
-        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
-        let matrices = Matrices::Sparse(SparseMatrices::new(model, &contacts)?);
-        let mut inertia = vec![0.0; dofs];
-        for entry in model.mass.triplet_iter() {
+        let mut inertia = vec![0.0; problem.model.mass.nrows()];
+        for entry in problem.model.mass.triplet_iter() {
             if let Some(sum) = inertia.get_mut(entry.row) {
                 *sum += *entry.val;
             }
         }
-        Ok(Self::make(problem, matrices, &[inertia], settings))
+        Self::direct_with_base(problem, &[inertia], settings)
+    }
+
+    /// Likewise with other base motions than that of all dofs alike: for each M r in kg on all dofs, as in
+    /// [`Model::with_base_loads`](structure::Model::with_base_loads).
+    ///
+    /// # Errors
+    /// As [`Plan::direct`]; also base loads that have not one finite number a dof.
+    pub fn direct_with_base(
+        problem: &Problem<SparseModel>,
+        base_loads: &[Vec<f64>],
+        settings: &Settings,
+    ) -> Result<Self, PlanError> {
+        let model = &problem.model;
+        let dofs = model.mass.nrows();
+        check(problem, dofs, base_loads.len(), settings)?;
+        if base_loads.iter().any(|load| load.len() != dofs || load.iter().any(|x| !x.is_finite())) {
+            let problem = format!("base loads must have {dofs} finite numbers");
+            return Err(PlanError { place: "model.mass".into(), problem });
+        }
+        // Sparse matrices take what they have entries for.
+        check_size(problem, 0, settings)?;
+        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
+        let matrices = Matrices::Sparse(SparseMatrices::new(model, &contacts)?);
+        Ok(Self::make(problem, matrices, base_loads, settings))
     }
 
     /// The plan of a problem that was checked.
@@ -213,8 +230,11 @@ impl Plan {
             Some(_) => (if n < LONG { 8 } else { 4 }) * (n + 1),
             None => c.law.samples(n),
         };
+        let on_the_way = |n: usize| settings.truncation.is_none() && n < harmonics.asked;
         let rung = |n: usize, least: usize| {
             let asked = contacts.iter().map(|c| needed(c, n)).max().unwrap_or(0);
+            // A rung on the way is left before its sampling error counts.
+            let asked = if on_the_way(n) && sampled(&contacts, exact) { asked / 2 } else { asked };
             let samples = settings.samples.unwrap_or(asked).max(4 * (n + 1)).max(least).next_power_of_two();
             Rung { order: n, slots: harmonics.up_to(n), transform: Transform::new(samples) }
         };
