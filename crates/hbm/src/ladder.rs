@@ -7,6 +7,7 @@ use crate::balance::Homotopy;
 use crate::newton::{self, Criteria, Outcome, Task};
 use crate::plan::{Plan, Rung, Workspace};
 use crate::point::{Point, secant};
+use crate::settings::many;
 
 /// Up to this harmonic of the base frequency Newton's method costs no more than substitution.
 const LEAST_CORE: usize = 31;
@@ -215,7 +216,7 @@ impl Plan {
             unknowns[entry] = -buffers.residual[entry];
         }
         // Contacts side by side overshoot together where the structure answers much; the Newton step knows them all.
-        let many = self.settings.krylov(balance.size(width, to), width) && point.contracting > from;
+        let many = many(balance.size(width, to), width) && point.contracting > from;
         let worse = |after: Result<f64, _>| after.map_or(true, |after| after > before);
         if many && worse(balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers)) {
             unknowns[range].fill(c64::ZERO);
@@ -232,7 +233,10 @@ impl Plan {
         ws.unknowns.fill(c64::ZERO);
         ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
         let first = self.first_slot().unwrap_or(0);
-        for round in 0..20 {
+        // A round of many contacts costs as much as a Newton step, and one of them that cycles would hold up all others.
+        let many = many(self.balance(0).size(width, slots), width);
+        let (rounds, enough) = if many { (6, 1e-2) } else { (20, 1e-3) };
+        for round in 0..rounds {
             ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
             self.solve_linearised(slots, first, ws);
             let mut change = 0.0_f64;
@@ -243,7 +247,7 @@ impl Plan {
                 change = change.max((next - ws.kept[entry]).norm() / (next.norm() + f64::MIN_POSITIVE));
                 ws.unknowns[entry] = next;
             }
-            if change < 1e-3 {
+            if change < enough {
                 break;
             }
         }
