@@ -39,6 +39,9 @@ impl Homotopy {
 /// Change of one harmonic of a contact force by the real and by the imaginary part of one harmonic of the displacement.
 pub(crate) type Block = (c64, c64);
 
+/// A rung of a ladder has at most so many times the harmonics of the one below, and one more.
+const LADDER_STEP: usize = 2;
+
 /// Up to so many harmonics the product of two spectra is faster by its definition than by transforms.
 const DIRECT: usize = 24;
 
@@ -251,7 +254,9 @@ impl Balance<'_> {
         } else {
             contact.marks = Some(law.force(&motion, &mut contact.law, &mut contact.force)?);
             let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
-            for (slot, &order) in self.orders.iter().enumerate().take(slots) {
+            // Beyond the motion's harmonics as well: what the next rung of a ladder begins with.
+            let known = self.orders.iter().enumerate().take(LADDER_STEP * slots + 1);
+            for (slot, &order) in known.take_while(|(_, order)| 2 * **order < self.transform.samples()) {
                 let one_sided = if order == 0 { 1.0 } else { 2.0 };
                 buffers.forces[slot * width + row] = coefficients[order] * (one_sided * unit);
             }

@@ -150,6 +150,8 @@ impl Plan {
         let mut outcome = Outcome { converged: from > goal, residual: 0.0, ..Outcome::NONE };
         // So many harmonics are solved, and one more fails.
         let mut stuck = 0;
+        // The rung whose evaluation is that of the unknowns so far.
+        let mut below = None;
         for (index, rung) in self.rungs.iter().enumerate().take(goal + 1).skip(from) {
             // Between the harmonics that need Newton's method and all of them there is nothing to climb.
             if rung.slots > core && index < goal && reached >= core {
@@ -158,7 +160,10 @@ impl Plan {
             ws.stats.rungs += 1;
             let count = reached * width;
             ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
-            self.extend(index, reached, rung.slots, ws);
+            match below.take().filter(|_| self.samples_all()) {
+                Some(below) => self.extend_from(below, reached, rung.slots, ws),
+                None => self.extend(index, reached, rung.slots, ws),
+            }
             outcome = if index < goal {
                 self.iterate_roughly(index, rung.slots, ROUGHLY, self.settings.max_iterations, ws)
             } else {
@@ -166,6 +171,7 @@ impl Plan {
             };
             if outcome.converged {
                 reached = rung.slots;
+                below = Some(index);
                 continue;
             }
             ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
@@ -220,6 +226,28 @@ impl Plan {
         let worse = |after: Result<f64, _>| after.map_or(true, |after| after > before);
         if many && worse(balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers)) {
             unknowns[range].fill(c64::ZERO);
+        }
+    }
+
+    /// Whether every contact force is sampled: then more of its harmonics are known than the motion has.
+    fn samples_all(&self) -> bool {
+        self.contacts.iter().all(|c| !self.exact || c.law.piecewise_linear().is_none())
+    }
+
+    /// As [`Plan::extend`], with the forces that rung `below` ended with.
+    fn extend_from(&self, below: usize, from: usize, to: usize, ws: &mut Workspace) {
+        let width = ws.point.width();
+        let known = self.rungs[below].transform.samples();
+        for entry in from * width..to * width {
+            let slot = entry / width;
+            if 2 * self.harmonics.reduced[slot] >= known || slot > 2 * from {
+                ws.unknowns[entry] = c64::ZERO;
+                continue;
+            }
+            let forces = &ws.balance[below].forces[slot * width..(slot + 1) * width];
+            let row = &ws.point.receptance[entry * width..(entry + 1) * width];
+            let pull: c64 = row.iter().zip(forces).map(|(g, force)| g * force).sum();
+            ws.unknowns[entry] = (ws.point.free[entry] - pull) * ws.point.weight[entry];
         }
     }
 
