@@ -158,11 +158,10 @@ impl Growth<Stack<'_, f64>> for Unchanging {
         stack: &Stack<f64>,
         spots: &[f64],
         kappa: &mut [f64],
-        amplitude: &mut Vec<f64>,
-        change: &mut Vec<f64>,
+        amplitude: &mut [f64],
+        _change: &mut [f64],
     ) {
-        amplitude.clear();
-        change.clear();
+        amplitude.fill(0.0);
         for (kappa, p) in kappa.iter_mut().zip(spots) {
             *kappa = stack.backbone.slope(0.5 * stack.a * p);
         }

@@ -13,7 +13,7 @@ use crate::mechanism::Mechanism;
 use crate::path::{Path, Piece, SampledPath};
 use crate::real::Real;
 use crate::tangent::{Recall, Tangent};
-use crate::turning_points::angle_minus_sine;
+use crate::turning_points::{angle_minus_sine, drop_from};
 
 /// Parameters of [`ElasticCoulomb`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -36,6 +36,9 @@ pub struct ElasticCoulomb {
     stiffness: f64,
     slip_force: f64,
 }
+
+/// Amplitudes so many slip displacements large measure what sticks from its turning point: k_t w would lose as many digits.
+const CLOSE: f64 = 1e5;
 
 /// Where the slider of a contact that sticks all period rests.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -271,35 +274,49 @@ impl PiecewiseLinear for ElasticCoulomb {
             let memory = (!motion.odd).then_some((recall, -k));
             pieces.push(ForcePiece {
                 from: 0.0,
-                to: TAU,
+                to: if motion.odd { PI } else { TAU },
                 stiffness: k,
                 offset: -k * slider,
                 start_force: k * (path.tip(0) - slider),
+                close: false,
                 memory,
             });
             return Ok(self.marks(tips.amplitude()));
         }
         let distinct = if motion.odd { count / 2 } else { count };
         let (mut anchor, mut anchored) = (0, self.slip_force);
-        for r in 0..count {
+        let close = tips.amplitude() > CLOSE * xc;
+        let mut start_force = self.slip_force;
+        for r in 0..distinct {
             let limit = if r % 2 == 1 { self.slip_force } else { -self.slip_force };
             let (start, mut end) = (path.point(r), path.point(r + 1));
             if r + 1 == count {
                 end.tau += TAU;
             }
             let offset = anchored - k * path.tip(anchor);
-            let slips = (k * end.displacement + offset - limit) * limit > 0.0;
-            let start_force = if anchor == r { anchored } else { k * path.tip(r) + offset };
+            let way = if close {
+                -drop_from(motion.spectrum, start.tau, end.tau - start.tau)
+            } else {
+                end.displacement - start.displacement
+            };
+            let end_force = if close { start_force + k * way } else { k * end.displacement + offset };
+            let slips = (end_force - limit) * limit > 0.0;
             let onset = if slips {
-                crossing(motion.spectrum, start, end, (limit - start_force) / k)
+                crossing(motion.spectrum, start, end, ((limit - start_force) / k, way), close)
             } else {
                 end.tau
             };
-            // In odd motion δw(τ + π) = −δw(τ): opposite turning points share one memory.
-            let tau = path.point(anchor % distinct).tau;
-            let strength = if anchor % (2 * distinct) < distinct { -k } else { k };
-            let memory = Some((Recall::Displacement { tau }, strength));
-            pieces.push(ForcePiece { from: start.tau, to: onset, stiffness: k, offset, start_force, memory });
+            let memory = Some((Recall::Displacement { tau: path.point(anchor).tau }, -k));
+            pieces.push(ForcePiece {
+                from: start.tau,
+                to: onset,
+                stiffness: k,
+                offset,
+                start_force,
+                close,
+                memory,
+            });
+            start_force = end_force;
             if slips {
                 pieces.push(ForcePiece {
                     from: onset,
@@ -307,9 +324,10 @@ impl PiecewiseLinear for ElasticCoulomb {
                     stiffness: 0.0,
                     offset: limit,
                     start_force: limit,
+                    close: false,
                     memory: None,
                 });
-                (anchor, anchored) = (r + 1, limit);
+                (anchor, anchored, start_force) = (r + 1, limit, limit);
             }
         }
         Ok(self.marks(tips.amplitude()))
@@ -324,16 +342,28 @@ impl DescribingFunction for ElasticCoulomb {
         if a <= xc {
             return FirstHarmonic { force: Complex64::from(k * a), derivative: Complex64::from(k) };
         }
-        let theta = 2.0 * (xc / a).sqrt().asin();
-        let in_phase = k / PI * 0.5 * angle_minus_sine(2.0 * theta);
+        let (part, rest) = (xc / a, 1.0 - xc / a);
+        let theta = 2.0 * part.sqrt().asin();
+        let sine = 2.0 * (part * rest).sqrt();
+        // 2θ − sin 2θ
+        let lens =
+            if theta > 0.25 { 2.0 * (theta - sine * (rest - part)) } else { angle_minus_sine(2.0 * theta) };
+        let in_phase = k / PI * 0.5 * lens;
         let damping = 4.0 * self.slip_force / PI;
         FirstHarmonic {
-            force: Complex64::new(a * in_phase, damping * (1.0 - xc / a)),
-            derivative: Complex64::new(
-                in_phase - 4.0 * k * xc / (PI * a) * theta.sin(),
-                damping * xc / (a * a),
-            ),
+            force: Complex64::new(a * in_phase, damping * rest),
+            derivative: Complex64::new(in_phase - 4.0 * k * part / PI * sine, damping * part / a),
         }
+    }
+
+    /// A force within ±F_s has no harmonic above that of the rectangle.
+    fn largest(&self, a: f64) -> Option<f64> {
+        let (k, xc) = (self.stiffness, self.slip_displacement());
+        Some(if a <= xc { k * a } else { 4.0 * self.slip_force / PI })
+    }
+
+    fn spring_up_to(&self) -> Option<f64> {
+        Some(self.slip_displacement())
     }
 
     fn marks(&self, a: f64) -> Marks {

@@ -86,6 +86,17 @@ pub trait DescribingFunction {
         Complex64::ZERO
     }
 
+    /// What `|F_1|` in N does not exceed at any amplitude up to `a` in m, which may be infinite; `None` where nothing is
+    /// known. The closer, the narrower a search for solutions.
+    fn largest(&self, _a: f64) -> Option<f64> {
+        None
+    }
+
+    /// Amplitude in m up to which the law is a spring, `F_1` proportional to `a`; `None` where it never is one.
+    fn spring_up_to(&self) -> Option<f64> {
+        None
+    }
+
     /// What the contact does during harmonic motion of amplitude `a` in m.
     fn marks(&self, a: f64) -> Marks;
 

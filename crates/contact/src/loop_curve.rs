@@ -45,14 +45,7 @@ impl<T: Real> Series<T> {
 
     /// The values at all `units`, into `values` of the same length.
     pub(crate) fn evaluate(&self, units: &[Complex<T>], values: &mut [T]) {
-        let (chunks, rest) = units.as_chunks::<LANES>();
-        let (value_chunks, value_rest) = values.as_chunks_mut::<LANES>();
-        for (z, value) in chunks.iter().zip(value_chunks) {
-            self.lanes(z, value);
-        }
-        for (z, value) in rest.iter().zip(value_rest) {
-            self.lanes(&[*z], std::array::from_mut(value));
-        }
+        pulp::Arch::new().dispatch(Evaluation { series: self, units, values });
     }
 
     #[inline(always)]
@@ -75,6 +68,29 @@ impl<T: Real> Series<T> {
         }
         for l in 0..N {
             values[l] = if self.odd { sr[l] * units[l].re - si[l] * units[l].im } else { sr[l] };
+        }
+    }
+}
+
+/// A series at many points, in the widest registers of the machine.
+struct Evaluation<'a, T> {
+    series: &'a Series<T>,
+    units: &'a [Complex<T>],
+    values: &'a mut [T],
+}
+
+impl<T: Real> pulp::NullaryFnOnce for Evaluation<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let (chunks, rest) = self.units.as_chunks::<LANES>();
+        let (value_chunks, value_rest) = self.values.as_chunks_mut::<LANES>();
+        for (z, value) in chunks.iter().zip(value_chunks) {
+            self.series.lanes(z, value);
+        }
+        for (z, value) in rest.iter().zip(value_rest) {
+            self.series.lanes(&[*z], std::array::from_mut(value));
         }
     }
 }
@@ -170,15 +186,12 @@ impl Growth<LoopCurve<f64>> for LoopCurve<f64> {
         curve: &LoopCurve<f64>,
         spots: &[Complex64],
         kappa: &mut [f64],
-        amplitude: &mut Vec<f64>,
-        change: &mut Vec<f64>,
+        amplitude: &mut [f64],
+        change: &mut [f64],
     ) {
         curve.slope.evaluate(spots, kappa);
-        amplitude.resize(spots.len(), 0.0);
         self.force.evaluate(spots, amplitude);
-        change.clear();
         if !curve.is_odd() {
-            change.resize(spots.len(), 0.0);
             curve.force.evaluate(spots, change);
         }
     }

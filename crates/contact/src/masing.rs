@@ -10,7 +10,9 @@
 //!
 //! What the branches look like is a [`Shape`]: a measured loop, or a backbone.
 
-use crate::path::{Path, Piece};
+use std::ops::Range;
+
+use crate::path::{Path, Piece, mirror};
 use crate::place::{Direction, Place};
 use crate::real::Real;
 
@@ -68,6 +70,8 @@ pub(crate) struct Masing<T, Spot> {
     pub(crate) pieces: Vec<Piece>,
     /// Where every sample lies on its branch.
     pub(crate) spots: Vec<Spot>,
+    /// The half period that was walked through where the other half mirrors it.
+    pub(crate) half: Option<Piece>,
     stack: Vec<usize>,
 }
 
@@ -80,7 +84,7 @@ pub(crate) fn wrap(j: usize, samples: usize) -> usize {
 impl<T: Real, Spot: Copy> Masing<T, Spot> {
     /// Empty buffers.
     pub(crate) fn new() -> Self {
-        Self { branches: Vec::new(), pieces: Vec::new(), spots: Vec::new(), stack: Vec::new() }
+        Self { branches: Vec::new(), pieces: Vec::new(), spots: Vec::new(), half: None, stack: Vec::new() }
     }
 
     /// Walks through one period of `path` with loop amplitude `a` and writes the force at every sample.
@@ -92,8 +96,14 @@ impl<T: Real, Spot: Copy> Masing<T, Spot> {
         self.branches.clear();
         self.pieces.clear();
         self.spots.resize(samples, S::spot(Direction::Unloading, Place::at(T::from(0.0))));
-        let lowest = path.lowest();
-        for r in 0..path.count() {
+        let (lowest, start) = (path.lowest(), wrap(path.first_sample(0), samples));
+        self.half = (shape.is_odd() && path.mirrors()).then_some(Piece {
+            owner: 0,
+            first: start,
+            length: samples / 2,
+        });
+        let legs = if self.half.is_some() { lowest } else { path.count() };
+        for r in 0..legs {
             if r == 0 {
                 self.begin_main(0, lowest, Direction::Unloading, shape.tip(Direction::Unloading));
             } else if r == lowest {
@@ -101,10 +111,21 @@ impl<T: Real, Spot: Copy> Masing<T, Spot> {
             } else {
                 self.reverse(shape, path, a, r);
             }
-            self.walk::<S>(path, a, path.first_sample(r), path.first_sample(r + 1), samples);
+            let mut end = path.first_sample(r + 1);
+            if self.half.is_some() {
+                // Neither a sample more nor one less, however the minimum is rounded.
+                let half = path.first_sample(0) + samples / 2;
+                end = if r + 1 == lowest { half } else { end.min(half) };
+            }
+            self.walk::<S>(path, a, path.first_sample(r), end, samples);
             self.close_until(path, path.tip(r + 1));
         }
-        shape.evaluate(&self.spots, force);
+        for range in self.walked(samples) {
+            let (Some(spots), Some(force)) = (self.spots.get(range.clone()), force.get_mut(range)) else {
+                continue;
+            };
+            shape.evaluate(spots, force);
+        }
         for piece in &self.pieces {
             let Some(branch) = self.branches.get(piece.owner) else { continue };
             let sign = branch.direction.sign();
@@ -112,6 +133,14 @@ impl<T: Real, Spot: Copy> Masing<T, Spot> {
                 *f = branch.force_at_start + branch.ratio * shape.change_to(branch.direction, *f) * sign;
             });
         }
+        if let Some(half) = self.half {
+            mirror(force, half, |f| -f);
+        }
+    }
+
+    /// The samples that were walked through: all, or half a period.
+    pub(crate) fn walked(&self, samples: usize) -> [Range<usize>; 2] {
+        self.half.unwrap_or(Piece { owner: 0, first: 0, length: samples }).ranges(samples)
     }
 
     fn begin_main(&mut self, start: usize, target: usize, direction: Direction, force_at_start: T) {

@@ -13,7 +13,7 @@
 
 use crate::law::Motion;
 use crate::masing::{Branch, Masing, Shape};
-use crate::path::{Path, Piece, SampledPath};
+use crate::path::{Path, Piece, SampledPath, mirror};
 use crate::place::{Direction, Place};
 use crate::tangent::{Recall, Tangent};
 use crate::turning_points::TurningPoints;
@@ -57,14 +57,14 @@ pub(crate) trait Growth<S: Shape<f64>> {
     /// The derivatives at one place, for amplitude `a`.
     fn local(&self, shape: &S, direction: Direction, place: Place<f64>, a: f64) -> Local;
 
-    /// Raw values at all spots, of which [`Growth::finish`] makes derivatives. Buffers left empty count as zero.
+    /// Raw values at all spots, of which [`Growth::finish`] makes derivatives; `change` is empty where the shape is odd.
     fn evaluate(
         &self,
         shape: &S,
         spots: &[S::Spot],
         kappa: &mut [f64],
-        amplitude: &mut Vec<f64>,
-        change: &mut Vec<f64>,
+        amplitude: &mut [f64],
+        change: &mut [f64],
     );
 
     /// The derivatives at a spot from its raw values; on a tip κ stays out.
@@ -179,13 +179,30 @@ impl MasingTangent {
         tangent.clear();
         self.rows(period);
         self.at_tips.clear();
-        growth.evaluate(shape, &masing.spots, &mut tangent.local, &mut self.amplitude, &mut self.ratio);
+        let samples = tangent.local.len();
+        self.amplitude.resize(samples, 0.0);
+        self.ratio.resize(if shape.is_odd() { 0 } else { samples }, 0.0);
+        for range in masing.walked(samples) {
+            let Some(spots) = masing.spots.get(range.clone()) else { continue };
+            let change = if shape.is_odd() { 0..0 } else { range.clone() };
+            growth.evaluate(
+                shape,
+                spots,
+                tangent.local.get_mut(range.clone()).unwrap_or_default(),
+                self.amplitude.get_mut(range).unwrap_or_default(),
+                self.ratio.get_mut(change).unwrap_or_default(),
+            );
+        }
         for piece in &masing.pieces {
             if let Some(branch) = masing.branches.get(piece.owner) {
                 self.piece(period, branch, piece, &mut tangent.local);
             }
         }
         self.remember(period, motion.odd, tangent);
+        if let Some(half) = masing.half {
+            // The force changes sign from half to half, as the motion does: its stiffness does not.
+            mirror(&mut tangent.local, half, |kappa| kappa);
+        }
     }
 
     /// κ, g and σ S of the samples of one piece.
@@ -241,10 +258,17 @@ impl MasingTangent {
             if odd {
                 self.add_influence(period, i + distinct, -1.0, kappa, influence);
             }
+            if let Some(half) = period.masing.half {
+                mirror(influence, half, |s| -s);
+            }
         }
         for &(j, tip, strength) in &self.at_tips {
             let (_, influence) = tangent.remember(Recall::Velocity { tau: period.path.point(tip).tau });
             set(influence, j, strength);
+            if period.masing.half.is_some() {
+                let half = influence.len() / 2;
+                set(influence, if j < half { j + half } else { j - half }, -strength);
+            }
         }
     }
 

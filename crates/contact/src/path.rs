@@ -32,12 +32,28 @@ impl Piece {
     }
 }
 
+/// Gives the samples of `row` that are not on `half`, half a period of it, what those on it are, `turned`.
+pub(crate) fn mirror<T: Copy>(row: &mut [T], half: Piece, turned: impl Fn(T) -> T) {
+    let (first, second) = row.split_at_mut(row.len() / 2);
+    // Of two samples half a period apart one is on the half: the later one up to where it begins.
+    let start = half.first % first.len().max(1);
+    let later = half.first >= first.len();
+    for (j, (early, late)) in first.iter_mut().zip(second).enumerate() {
+        if (j < start) != later { *early = turned(*late) } else { *late = turned(*early) }
+    }
+}
+
 /// Displacements at turning points and samples, for any number type.
 pub(crate) trait Path<T> {
     /// Number of turning points; the first is the global maximum.
     fn count(&self) -> usize;
     /// Position of the global minimum.
     fn lowest(&self) -> usize;
+    /// Whether the samples of half a period are those of the other half with the other sign: only from maximum to
+    /// minimum need they be walked through.
+    fn mirrors(&self) -> bool {
+        false
+    }
     /// Displacement at turning point `r` (`count` means the first again).
     fn tip(&self, r: usize) -> T;
     /// First sample at or after turning point `r`, counting on past a full period.
@@ -83,6 +99,10 @@ impl Path<f64> for SampledPath<'_> {
 
     fn lowest(&self) -> usize {
         self.tips.lowest()
+    }
+
+    fn mirrors(&self) -> bool {
+        self.motion.odd && self.samples.is_multiple_of(2) && 2 * self.lowest() == self.count()
     }
 
     fn tip(&self, r: usize) -> f64 {

@@ -64,6 +64,10 @@ pub struct ScaledLoop {
     odd: bool,
     /// arg F*_1 − (π + ψ_C(1)) in rad.
     phase_mismatch: f64,
+    /// g(0).
+    least: f64,
+    /// c_1(0) in N.
+    at_rest: Complex64,
 }
 
 impl ScaledLoop {
@@ -101,6 +105,8 @@ impl ScaledLoop {
             shape: shape.map(|(k, c)| if keep(k) { c / dissipative } else { Complex64::ZERO }).collect(),
             odd,
             phase_mismatch: measured.phase() - (PI + phase.value(1.0)),
+            least: magnitude.value(0.0),
+            at_rest: at_rest(measured.force_amplitude(), &magnitude, &phase),
         })
     }
 
@@ -127,6 +133,8 @@ impl ScaledLoop {
             shape: vec![Complex64::ZERO; 2],
             odd: true,
             phase_mismatch: 0.0,
+            least: magnitude.value(0.0),
+            at_rest: at_rest(force, &magnitude, &phase),
         })
     }
 
@@ -150,11 +158,17 @@ impl ScaledLoop {
         self.odd
     }
 
+    /// g(α), without a logarithm that is always the same.
+    fn magnitude(&self, alpha: f64) -> f64 {
+        self.least + self.magnitude.slope * (alpha / self.magnitude.shift).ln_1p()
+    }
+
     /// c_1(α) in N and dc_1/dα.
     pub(crate) fn first(&self, alpha: f64) -> (Complex64, Complex64) {
-        let g = self.magnitude.value(alpha);
-        let unit = Complex64::from_polar(self.reference_force, PI + self.phase.value(alpha));
-        let derivative = Complex64::new(self.magnitude.derivative(alpha), g * self.phase.derivative(alpha));
+        let g = self.magnitude(alpha);
+        let (phase, slope) = self.phase.with_derivative(alpha);
+        let unit = Complex64::from_polar(self.reference_force, PI + phase);
+        let derivative = Complex64::new(self.magnitude.derivative(alpha), g * slope);
         (unit * g, unit * derivative)
     }
 
@@ -162,6 +176,11 @@ impl ScaledLoop {
     pub(crate) fn coefficients(&self, first: Complex64) -> impl Iterator<Item = Complex64> + Clone {
         self.shape.iter().enumerate().map(move |(k, shape)| if k == 1 { first } else { shape * first.im })
     }
+}
+
+/// c_1(0) in N.
+fn at_rest(force: f64, magnitude: &MagnitudeLaw, phase: &PhaseLaw) -> Complex64 {
+    Complex64::from_polar(force, PI + phase.value(0.0)) * magnitude.value(0.0)
 }
 
 impl Law for ScaledLoop {
@@ -187,7 +206,7 @@ impl Law for ScaledLoop {
         tips.find(motion)?;
         let a = tips.amplitude();
         let alpha = a / self.reference_displacement;
-        if self.magnitude.value(alpha) < 0.0 {
+        if self.magnitude(alpha) < 0.0 {
             return Err(LawError::NegativeMagnitude { alpha });
         }
         let (first, derivative) = self.first(alpha);
@@ -220,7 +239,13 @@ impl DescribingFunction for ScaledLoop {
     }
 
     fn at_rest(&self) -> Complex64 {
-        self.first(0.0).0
+        self.at_rest
+    }
+
+    /// g is monotone.
+    fn largest(&self, a: f64) -> Option<f64> {
+        let g = self.magnitude(a / self.reference_displacement);
+        Some(self.reference_force * self.least.abs().max(g.abs()))
     }
 
     fn marks(&self, a: f64) -> Marks {

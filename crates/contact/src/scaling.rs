@@ -90,6 +90,12 @@ impl PhaseLaw {
         self.span * self.decay * (-self.decay * alpha).exp()
     }
 
+    /// Both at once, for one exponential.
+    pub(crate) fn with_derivative(&self, alpha: f64) -> (f64, f64) {
+        let lag = self.span * (-self.decay * alpha).exp();
+        (self.limit - lag, self.decay * lag)
+    }
+
     /// Checks that the phase stays in [−π, 0] (it is monotone between α = 0 and ∞, so its ends decide):
     /// outside, the contact would feed energy into the motion.
     pub(crate) fn check(&self) -> Result<(), ParameterError> {

@@ -27,31 +27,93 @@ pub struct TurningPoints {
     lowest: usize,
 }
 
-/// w, dw/dτ and d²w/dτ² at one phase.
+/// w and its first three derivatives at one phase.
 #[derive(Clone, Copy)]
 pub(crate) struct Jet {
     pub(crate) displacement: f64,
     pub(crate) velocity: f64,
-    acceleration: f64,
+    pub(crate) acceleration: f64,
+    jerk: f64,
 }
 
-pub(crate) fn jet(spectrum: &[Complex64], tau: f64) -> Jet {
-    let step = Complex64::cis(tau);
-    let mut wave = Complex64::ONE;
-    let (mut w, mut v, mut a) = (0.0, 0.0, 0.0);
-    let mut k = 0.0;
-    for amplitude in spectrum {
-        let term = amplitude * wave;
-        w += term.re;
-        v -= k * term.im;
-        a -= k * k * term.re;
-        wave *= step;
-        k += 1.0;
+fn jet(spectrum: &[Complex64], tau: f64) -> Jet {
+    jet_of(spectrum, has_odd_only(spectrum), tau)
+}
+
+/// Whether all even harmonics are zero.
+pub(crate) fn has_odd_only(spectrum: &[Complex64]) -> bool {
+    spectrum.iter().step_by(2).all(|c| *c == Complex64::ZERO)
+}
+
+/// The jet of a motion of which it is known whether it has odd harmonics only.
+pub(crate) fn jet_of(spectrum: &[Complex64], odd: bool, tau: f64) -> Jet {
+    let turn = Complex64::cis(tau);
+    let square = turn * turn;
+    // Two harmonics side by side, since each power waits for the one before it: 0 and 1, or 1 and 3, and so on.
+    if odd {
+        let (fours, rest) = spectrum.as_chunks::<4>();
+        let start = Waves { waves: [turn, turn * square], orders: [1.0, 3.0] };
+        let pairs = fours.iter().map(|four| [four[1], four[3]]);
+        let last = rest.get(1).copied().unwrap_or(Complex64::ZERO);
+        start.sum(pairs, [last, rest.get(3).copied().unwrap_or(Complex64::ZERO)], square * square, 4.0)
+    } else {
+        let (pairs, rest) = spectrum.as_chunks::<2>();
+        let start = Waves { waves: [Complex64::ONE, turn], orders: [0.0, 1.0] };
+        let last = rest.first().copied().unwrap_or(Complex64::ZERO);
+        start.sum(pairs.iter().copied(), [last, Complex64::ZERO], square, 2.0)
     }
-    Jet { displacement: w, velocity: v, acceleration: a }
 }
 
-/// Zero of the velocity in [left, right], where it has the signs `rising` → not: safeguarded Newton.
+/// e^{ikτ} of two orders k.
+struct Waves {
+    waves: [Complex64; 2],
+    orders: [f64; 2],
+}
+
+impl Waves {
+    /// The jet of all `pairs` of amplitudes and a last one, each `stride` orders above the one before.
+    #[inline(always)]
+    fn sum(
+        mut self,
+        pairs: impl Iterator<Item = [Complex64; 2]>,
+        last: [Complex64; 2],
+        step: Complex64,
+        stride: f64,
+    ) -> Jet {
+        let (mut w, mut v, mut a, mut j) = ([0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2]);
+        for pair in pairs.chain(std::iter::once(last)) {
+            for side in 0..2 {
+                let (term, k) = (pair[side] * self.waves[side], self.orders[side]);
+                let (re, im) = (k * term.re, k * term.im);
+                w[side] += term.re;
+                v[side] -= im;
+                a[side] -= k * re;
+                j[side] += k * k * im;
+                self.waves[side] *= step;
+                self.orders[side] += stride;
+            }
+        }
+        let sum = |x: [f64; 2]| x[0] + x[1];
+        Jet { displacement: sum(w), velocity: sum(v), acceleration: sum(a), jerk: sum(j) }
+    }
+}
+
+/// Halley's step to a zero of a function with these value and derivatives: Newton's, corrected by the curvature.
+#[inline]
+pub(crate) fn halley(value: f64, slope: f64, curvature: f64) -> f64 {
+    let newton = -value / slope;
+    let bend = 0.5 * newton * curvature / slope;
+    if bend.abs() < 0.5 { newton / (1.0 + bend) } else { newton }
+}
+
+/// Whether what steps that shrink as the third power leave after this one, step⁴/before³, is lost in rounding at phases
+/// of order one.
+#[inline]
+pub(crate) fn settled(step: f64, before: f64) -> bool {
+    step <= 2.0 * f64::EPSILON || (step < 1e-6 && step.powi(4) <= f64::EPSILON * before.powi(3))
+}
+
+/// Zero of the velocity in [left, right], where it has the signs `rising` → not: Halley's method kept inside the bracket.
 fn zero_of_velocity(
     spectrum: &[Complex64],
     mut left: f64,
@@ -59,7 +121,9 @@ fn zero_of_velocity(
     mut at: f64,
     rising: bool,
 ) -> TurningPoint {
-    let mut here = jet(spectrum, at);
+    let odd = has_odd_only(spectrum);
+    let mut here = jet_of(spectrum, odd, at);
+    let mut before = 0.0;
     for _ in 0..60 {
         if here.velocity == 0.0 {
             break;
@@ -69,16 +133,30 @@ fn zero_of_velocity(
         } else {
             right = at;
         }
-        let newton = at - here.velocity / here.acceleration;
-        let inside = newton > left && newton < right;
-        let next = if inside { newton } else { 0.5 * (left + right) };
-        if (next - at).abs() <= 2.0 * f64::EPSILON * next.abs().max(1.0) {
+        let step = halley(here.velocity, here.acceleration, here.jerk);
+        let next = at + step;
+        if next > left && next < right {
+            if settled(step.abs(), before) {
+                // So close that the jet itself says what is there.
+                let Jet { displacement, velocity, acceleration, jerk } = here;
+                let rise = step * (velocity + 0.5 * step * (acceleration + step * jerk / 3.0));
+                return TurningPoint {
+                    tau: next,
+                    displacement: displacement + rise,
+                    acceleration: acceleration + step * jerk,
+                };
+            }
+            before = step.abs();
             at = next;
-            here = jet(spectrum, at);
-            break;
+        } else {
+            let middle = 0.5 * (left + right);
+            if (middle - at).abs() <= 2.0 * f64::EPSILON * middle.abs().max(1.0) {
+                break;
+            }
+            before = 0.0;
+            at = middle;
         }
-        at = next;
-        here = jet(spectrum, at);
+        here = jet_of(spectrum, odd, at);
     }
     TurningPoint { tau: at, displacement: here.displacement, acceleration: here.acceleration }
 }
@@ -147,7 +225,7 @@ impl TurningPoints {
         let samples = v.len();
         let count = if motion.odd { samples / 2 } else { samples };
         let step = TAU / samples as f64;
-        let at = |j: usize| v.get(j % samples).copied().unwrap_or(0.0);
+        let at = |j: usize| v.get(if j < samples { j } else { j - samples }).copied().unwrap_or(0.0);
         // A zero sample counts as a positive one, so that every change of sign lies in exactly one interval.
         for j in 0..count {
             let (here, next) = (at(j), at(j + 1));
@@ -163,7 +241,7 @@ impl TurningPoints {
             }
             // Same sign at both ends: |v| has a minimum inside only if it falls on entering and rises on leaving.
             let sign = if rising { 1.0 } else { -1.0 };
-            let (before, after) = (sign * at(j + samples - 1), sign * at(j + 2));
+            let (before, after) = (sign * at(if j == 0 { samples - 1 } else { j - 1 }), sign * at(j + 2));
             let (low, high) = (sign * here, sign * next);
             // A convex |v| cannot fall further inside than it fell over the interval before, nor rise by more than
             // it rises over the one after.

@@ -36,6 +36,9 @@ impl Homotopy {
     pub(crate) const NONE: Self = Self { contact: 1.0, excitation: 1.0, secant: 0.0, stretch: 1.0 };
 }
 
+/// Change of one harmonic of a contact force by the real and by the imaginary part of one harmonic of the displacement.
+pub(crate) type Block = (c64, c64);
+
 /// Up to so many harmonics the product of two spectra is faster by its definition than by transforms.
 const DIRECT: usize = 24;
 
@@ -225,7 +228,7 @@ impl Balance<'_> {
         if let Some(events) = events {
             contact.marks = Some(events.pieces(&motion, &mut contact.law, &mut contact.events.pieces)?);
             let orders = &self.orders[..slots];
-            contact.events.integrate(&contact.spectrum, orders.last().copied().unwrap_or(0));
+            contact.events.integrate(&contact.spectrum, orders.last().copied().unwrap_or(0), self.odd);
             if slots > DIRECT {
                 self.convolve(contact, &mut buffers.fft);
                 let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
@@ -349,6 +352,30 @@ impl Balance<'_> {
         }
     }
 
+    /// The derivative of the contact forces alone, dimensionless and times μ, entry `[i][p][j]`.
+    pub(crate) fn blocks(
+        &self,
+        point: &Point,
+        slots: usize,
+        homotopy: Homotopy,
+        buffers: &mut BalanceBuffers,
+        blocks: &mut Vec<Block>,
+    ) {
+        blocks.clear();
+        for (row, &c) in point.active.iter().enumerate() {
+            self.transform_tangent(slots, c, buffers);
+            let unit = self.contacts[c].scale * point.length[row] * homotopy.stretch / point.force[row];
+            for (p, j) in (0..slots).flat_map(|p| (0..slots).map(move |j| (p, j))) {
+                let mut block = self.block(buffers, slots, p, j);
+                if homotopy.secant > 0.0 {
+                    block = self.toward_secant(point, homotopy.secant, row, (p, j), unit, block);
+                }
+                let unit = homotopy.contact * unit;
+                blocks.push((block.0 * unit, block.1 * unit));
+            }
+        }
+    }
+
     /// The derivative of −Ĝ Ŝ û.
     fn take_back(&self, point: &Point, slot: usize, row: usize, matrix: &mut Mat<f64>) {
         let width = point.width();
@@ -381,10 +408,9 @@ impl Balance<'_> {
         if self.exact && law.piecewise_linear().is_some() {
             let series = contact.events.stiffness();
             buffers.local[..series.len()].copy_from_slice(series);
-            contact.events.memories(orders, |recall, order, influence| {
-                buffers.influence.push(influence);
-                buffers.recall.push(recalled(recall, order));
-            });
+            for &recall in contact.events.memories(orders, &mut buffers.influence) {
+                recalled(recall, orders, &mut buffers.recall);
+            }
             return;
         }
         let motion = Motion {
@@ -403,7 +429,7 @@ impl Balance<'_> {
             let coefficients = self.transform.to_coefficients(&memory.influence, &mut buffers.fft);
             let one_sided = |order: usize| if order == 0 { 1.0 } else { 2.0 };
             buffers.influence.extend(orders.iter().map(|&order| coefficients[order] * one_sided(order)));
-            buffers.recall.extend(orders.iter().map(|&order| recalled(memory.recall, order)));
+            recalled(memory.recall, orders, &mut buffers.recall);
         }
     }
 
@@ -425,7 +451,7 @@ impl Balance<'_> {
 
     /// δF_p by a change of Re W_j and of Im W_j, in N/m.
     #[inline]
-    fn block(&self, buffers: &BalanceBuffers, slots: usize, p: usize, j: usize) -> (c64, c64) {
+    fn block(&self, buffers: &BalanceBuffers, slots: usize, p: usize, j: usize) -> Block {
         let (order_p, order_j) = (self.orders[p], self.orders[j]);
         let epsilon = if order_p == 0 { 0.5 } else { 1.0 };
         let (mut by_re, mut by_im) = convolved(&buffers.local, order_p, order_j, epsilon);
@@ -455,13 +481,26 @@ fn convolved(coefficients: &[c64], p: usize, j: usize, epsilon: f64) -> (c64, c6
     ((difference + sum) * epsilon, c64::new(-rotated.im, rotated.re) * epsilon)
 }
 
-/// What a functional makes of harmonic `order`: the coefficients of Re δW and Im δW.
-fn recalled(recall: Recall, order: usize) -> (f64, f64) {
-    let k = order as f64;
-    match recall {
-        // Re(δW e^{ikτ}) and Re(ik δW e^{ikτ}).
-        Recall::Displacement { tau } => ((k * tau).cos(), -(k * tau).sin()),
-        Recall::Velocity { tau } => (-k * (k * tau).sin(), -k * (k * tau).cos()),
-        Recall::Mean => (if order == 0 { 1.0 } else { 0.0 }, 0.0),
+/// What a functional makes of the harmonics `orders`: the coefficients of Re δW and Im δW, appended to `coefficients`.
+fn recalled(recall: Recall, orders: &[usize], coefficients: &mut Vec<(f64, f64)>) {
+    let tau = match recall {
+        Recall::Displacement { tau } | Recall::Velocity { tau } => tau,
+        Recall::Mean => {
+            return coefficients.extend(orders.iter().map(|&k| (if k == 0 { 1.0 } else { 0.0 }, 0.0)));
+        }
+    };
+    let turn = c64::cis(tau);
+    let mut reached = 0;
+    let mut wave = c64::ONE;
+    for &order in orders {
+        while reached < order {
+            wave *= turn;
+            reached += 1;
+        }
+        // Re(δW e^{ikτ}) or Re(ik δW e^{ikτ}).
+        coefficients.push(match recall {
+            Recall::Velocity { .. } => (-(order as f64) * wave.im, -(order as f64) * wave.re),
+            _ => (wave.re, -wave.im),
+        });
     }
 }

@@ -23,8 +23,10 @@ use std::ops::Range;
 
 use faer::{Mat, c64};
 
-use crate::dense::Lu;
 use crate::harmonics::Harmonics;
+use crate::matrices::{Additions, Factor, Matrices};
+use crate::modal::{Modal, ModalBuffers};
+use crate::plan::Receptances;
 use crate::problem::{Contact, ExcitationKind, Problem};
 
 /// Pivots of the balanced dynamic stiffness below this fraction of the largest count as zero.
@@ -39,20 +41,26 @@ const NEARLY_SINGULAR: f64 = 1e-11;
 /// Below this fraction springs are lent: the receptance would lose digits that the balance has.
 const ILL_CONDITIONED: f64 = 1e-3;
 
+/// Contacts so much stiffer than the structure at them need springs lent.
+const MUCH_STIFFER: f64 = 1e5;
+
+/// A fraction below which everything lies.
+const ALWAYS: f64 = f64::INFINITY;
+
 /// One entry of a harmonic's excitation vector: `amplitude · Ω^power` on `dof`.
 #[derive(Debug, Clone, Copy)]
-struct Load {
-    dof: usize,
-    amplitude: c64,
-    grows: bool,
+pub(crate) struct Load {
+    pub(crate) dof: usize,
+    pub(crate) amplitude: c64,
+    pub(crate) grows: bool,
 }
 
 /// The parts of a problem that do not change with frequency.
 #[derive(Debug)]
 pub(crate) struct Structure {
-    mass: Mat<f64>,
-    damping: Mat<f64>,
-    stiffness: Mat<f64>,
+    matrices: Matrices,
+    /// Modes that make a factorisation unnecessary at most frequencies.
+    modal: Option<Modal>,
     contacts: Vec<(usize, Option<usize>)>,
     /// In N/m; infinite where a law has no stiffness of its own.
     contact_stiffness: Vec<f64>,
@@ -84,9 +92,13 @@ pub(crate) struct Condensed {
     pub(crate) lent: Vec<c64>,
     /// Structural damping added to every dof, as a part of its own dynamic stiffness; for homotopies.
     pub(crate) added_damping: f64,
+    /// 2ζω in 1/s: this times the mass is taken off the damping, so that a free motion with that damping is periodic.
+    pub(crate) self_excitation: f64,
     /// Whether the structure alone is singular, entry `[slot]`.
     pub(crate) singular: Vec<bool>,
-    lu: Lu<c64>,
+    factor: Factor,
+    modal: ModalBuffers,
+    /// Right-hand sides of one block.
     rhs: Mat<c64>,
     scale: Vec<f64>,
 }
@@ -102,34 +114,65 @@ fn own_stiffness(contact: &Contact) -> f64 {
 }
 
 /// The shortest chain of contacts from every output dof to the ground, where there is one.
-fn paths_to_ground(problem: &Problem) -> Vec<Option<Vec<(usize, f64)>>> {
-    let mut known: Vec<Option<Vec<(usize, f64)>>> = vec![None; problem.model.dofs()];
-    // Each pass reaches one contact further; the ground is known from the start.
-    for _ in 0..problem.contacts.len() {
-        let reached = known.clone();
-        for (c, contact) in problem.contacts.iter().enumerate() {
-            let second = match contact.second {
-                None => Some(Vec::new()),
-                Some(dof) => reached[dof].clone(),
-            };
-            let mut extend = |dof: usize, path: Option<Vec<(usize, f64)>>, sign: f64| {
-                if let (None, Some(mut path)) = (&known[dof], path) {
-                    path.push((c, sign));
-                    known[dof] = Some(path);
-                }
-            };
-            extend(contact.first, second, 1.0);
-            if let Some(dof) = contact.second {
-                extend(dof, reached[contact.first].clone(), -1.0);
+fn paths_to_ground<M>(problem: &Problem<M>, dofs: usize) -> Vec<Option<Vec<(usize, f64)>>> {
+    // The contact by which a dof was reached first, and the dof before it on the way from the ground.
+    let mut reached: Vec<Option<(usize, f64, Option<usize>)>> = vec![None; dofs];
+    let mut beside: Vec<Vec<(usize, f64, usize)>> = vec![Vec::new(); dofs];
+    let mut front = Vec::new();
+    for (c, contact) in problem.contacts.iter().enumerate() {
+        match contact.second {
+            None if reached[contact.first].is_none() => {
+                reached[contact.first] = Some((c, 1.0, None));
+                front.push(contact.first);
+            }
+            None => {}
+            Some(second) => {
+                beside[second].push((c, 1.0, contact.first));
+                beside[contact.first].push((c, -1.0, second));
             }
         }
     }
-    problem.output.iter().map(|&dof| known[dof].clone()).collect()
+    while !front.is_empty() {
+        // Of several contacts that reach a dof after as many steps the first one counts.
+        let mut next: Vec<(usize, f64, usize, usize)> = front
+            .iter()
+            .flat_map(|&from| beside[from].iter().map(move |&(c, sign, to)| (c, sign, from, to)))
+            .filter(|&(.., to)| reached[to].is_none())
+            .collect();
+        next.sort_by_key(|&(c, ..)| c);
+        front.clear();
+        for (c, sign, from, to) in next {
+            if reached[to].is_none() {
+                reached[to] = Some((c, sign, Some(from)));
+                front.push(to);
+            }
+        }
+    }
+    let path = |&output: &usize| {
+        let mut path = Vec::new();
+        let mut dof = output;
+        loop {
+            let (c, sign, before) = reached[dof]?;
+            path.push((c, sign));
+            match before {
+                Some(before) => dof = before,
+                None => break,
+            }
+        }
+        // From the ground on.
+        path.reverse();
+        Some(path)
+    };
+    problem.output.iter().map(path).collect()
 }
 
 impl Structure {
-    pub(crate) fn new(problem: &Problem, harmonics: &Harmonics) -> Self {
-        let model = &problem.model;
+    pub(crate) fn new<M>(
+        problem: &Problem<M>,
+        matrices: Matrices,
+        base_loads: &[Vec<f64>],
+        harmonics: &Harmonics,
+    ) -> Self {
         let mut loads = vec![Vec::new(); harmonics.orders.len()];
         for excitation in problem.excitation.iter().filter(|e| e.amplitude != 0.0) {
             let Some(slot) = harmonics.orders.iter().position(|&k| k == excitation.harmonic) else {
@@ -145,28 +188,37 @@ impl Structure {
                 ExcitationKind::Force => loads.push(Load { dof, amplitude, grows: false }),
                 ExcitationKind::Unbalance => loads.push(Load { dof, amplitude, grows: true }),
                 ExcitationKind::Base => {
-                    let inertia = model.base_loads().get(dof).into_iter().flatten().enumerate();
+                    let inertia = base_loads.get(dof).into_iter().flatten().enumerate();
                     let load = |(dof, inertia)| Load { dof, amplitude: -amplitude * inertia, grows: false };
                     loads.extend(inertia.map(load));
                 }
             }
         }
+        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
         Self {
-            mass: model.mass().clone(),
-            damping: model.damping().clone(),
-            stiffness: model.stiffness().clone(),
-            contacts: problem.contacts.iter().map(|c| (c.first, c.second)).collect(),
+            modal: matrices.modal(&contacts, &problem.output, &loads),
+            contacts,
             contact_stiffness: problem.contacts.iter().map(own_stiffness).collect(),
             outputs: problem.output.clone(),
-            paths: paths_to_ground(problem),
+            paths: paths_to_ground(problem, matrices.dofs()),
+            matrices,
             orders: harmonics.orders.clone(),
             loads,
         }
     }
 
+    /// How receptances are found.
+    pub(crate) fn receptances(&self) -> Receptances {
+        match self.matrices {
+            Matrices::Sparse(_) => Receptances::Sparse,
+            Matrices::Dense { .. } if self.modal.is_some() => Receptances::Modes,
+            Matrices::Dense { .. } => Receptances::Dense,
+        }
+    }
+
     /// Number of dofs.
     pub(crate) fn dofs(&self) -> usize {
-        self.mass.nrows()
+        self.matrices.dofs()
     }
 
     /// Contacts whose relative displacements, with these signs, add up to output dof `o`.
@@ -177,7 +229,8 @@ impl Structure {
     /// Buffers for one thread.
     pub(crate) fn condensed(&self) -> Condensed {
         let (n, contacts, outputs, slots) =
-            (self.mass.nrows(), self.contacts.len(), self.outputs.len(), self.orders.len());
+            (self.matrices.dofs(), self.contacts.len(), self.outputs.len(), self.orders.len());
+        let block = self.matrices.block(contacts + 1);
         Condensed {
             contacts,
             outputs,
@@ -188,9 +241,11 @@ impl Structure {
             free_output: vec![c64::ZERO; slots * outputs],
             lent: vec![c64::ZERO; slots * contacts],
             added_damping: 0.0,
+            self_excitation: 0.0,
             singular: vec![false; slots],
-            lu: Lu::new(n, contacts + 1),
-            rhs: Mat::zeros(n, contacts + 1),
+            factor: self.matrices.factor(block),
+            modal: ModalBuffers::new(),
+            rhs: Mat::zeros(n, block),
             scale: vec![1.0; n],
         }
     }
@@ -221,6 +276,20 @@ impl Structure {
         self.condense_where(hertz, slots, NEARLY_SINGULAR, into)
     }
 
+    /// As [`Structure::condense`], with springs as stiff as the structure lent to every contact at every harmonic: nothing
+    /// is singular then, and all of it is smooth in the frequency, also where the structure moves freely.
+    ///
+    /// # Errors
+    /// The harmonic of Ω at which the dynamic stiffness is singular all the same.
+    pub(crate) fn condense_sprung(
+        &self,
+        hertz: f64,
+        slots: Range<usize>,
+        into: &mut Condensed,
+    ) -> Result<(), usize> {
+        self.condense_where(hertz, slots, ALWAYS, into)
+    }
+
     fn condense_where(
         &self,
         hertz: f64,
@@ -234,13 +303,17 @@ impl Structure {
         for (slot, &order) in self.orders.iter().enumerate().take(slots.end).skip(slots.start) {
             let contacts = slot * into.contacts..(slot + 1) * into.contacts;
             into.lent[contacts.clone()].fill(c64::ZERO);
+            if lending < ALWAYS && self.respond_by_modes(slot, base, into) {
+                into.singular[slot] = false;
+                continue;
+            }
             self.factor(order as f64 * base, slot, into);
-            into.singular[slot] = !into.lu.is_regular(NEARLY_SINGULAR);
-            if !into.lu.is_regular(lending) {
-                self.lend(order as f64 * base, slot, into);
+            into.singular[slot] = !into.factor.is_regular(NEARLY_SINGULAR);
+            if !into.factor.is_regular(lending) {
+                self.lend(order as f64 * base, slot, lending == ALWAYS, into);
                 self.factor(order as f64 * base, slot, into);
                 let still = if into.singular[slot] { STILL_SINGULAR } else { SINGULAR };
-                if !into.lu.is_regular(still) {
+                if !into.factor.is_regular(still) {
                     return Err(order);
                 }
             }
@@ -249,55 +322,28 @@ impl Structure {
         Ok(())
     }
 
-    /// Factors the dynamic stiffness, balanced by its diagonal so that masses and stiffnesses of very different size
-    /// become comparable.
+    /// Factors the dynamic stiffness with the springs lent to one slot.
     fn factor(&self, omega: f64, slot: usize, into: &mut Condensed) {
-        let n = self.mass.nrows();
-        for (i, scale) in into.scale.iter_mut().enumerate() {
-            let size = self.stiffness[(i, i)].abs()
-                + omega * omega * self.mass[(i, i)].abs()
-                + omega * self.damping[(i, i)].abs();
-            *scale = if size > 0.0 { 1.0 / size.sqrt() } else { 1.0 };
-        }
-        for j in 0..n {
-            for i in 0..n {
-                let entry = c64::new(
-                    self.stiffness[(i, j)] - omega * omega * self.mass[(i, j)],
-                    omega * self.damping[(i, j)],
-                );
-                into.lu.matrix[(i, j)] = entry * (into.scale[i] * into.scale[j]);
-            }
-        }
-        if into.added_damping != 0.0 && omega > 0.0 {
-            for i in 0..n {
-                // The matrix is balanced: its diagonal is of order one.
-                into.lu.matrix[(i, i)] += c64::new(0.0, into.added_damping);
-            }
-        }
-        for (l, &(first, second)) in self.contacts.iter().enumerate() {
-            let spring = into.lent[slot * into.contacts + l];
-            let Some(second) = second.filter(|_| spring != c64::ZERO) else {
-                into.lu.matrix[(first, first)] += spring * into.scale[first].powi(2);
-                continue;
-            };
-            for (row, column, sign) in
-                [(first, first, 1.0), (second, second, 1.0), (first, second, -1.0), (second, first, -1.0)]
-            {
-                into.lu.matrix[(row, column)] += spring * (sign * into.scale[row] * into.scale[column]);
-            }
-        }
-        into.lu.factor(n);
+        let Condensed { factor, scale, lent, added_damping, self_excitation, contacts, .. } = into;
+        let springs = &lent[slot * *contacts..(slot + 1) * *contacts];
+        let additions = Additions {
+            damping: *added_damping,
+            self_excitation: *self_excitation,
+            contacts: &self.contacts,
+            springs,
+        };
+        self.matrices.factorise(omega, additions, scale, factor);
     }
 
     /// Springs at the contacts of one slot, as stiff as the contacts, and no stiffer than the structure itself: stiffer
-    /// ones would hide what weak contacts do.
-    fn lend(&self, omega: f64, slot: usize, into: &mut Condensed) {
+    /// ones would hide what weak contacts do. With `stiff` all are like the structure.
+    fn lend(&self, omega: f64, slot: usize, stiff: bool, into: &mut Condensed) {
         let size = |scale: f64| 1.0 / (scale * scale);
         for (l, (&(first, second), contact)) in self.contacts.iter().zip(&self.contact_stiffness).enumerate()
         {
             let own = size(into.scale[first]);
             let structure = second.map_or(own, |second| own.min(size(into.scale[second])));
-            let stiffness = structure.min(*contact);
+            let stiffness = if stiff { structure } else { structure.min(*contact) };
             into.lent[slot * into.contacts + l] =
                 if omega == 0.0 { c64::from(stiffness) } else { c64::new(0.0, stiffness) };
         }
@@ -307,17 +353,17 @@ impl Structure {
     /// the forces `felt` in N (entry `[slot][l]`), `∂w/∂Ω = H⁻¹ (∂f/∂Ω − ∂H/∂Ω w)`. Springs stay lent as they are.
     pub(crate) fn frequency_slope(&self, hertz: f64, felt: &[c64], into: &mut Condensed, slope: &mut [c64]) {
         let base = std::f64::consts::TAU * hertz;
-        let (n, contacts) = (self.mass.nrows(), into.contacts);
+        let (n, contacts) = (self.matrices.dofs(), into.contacts);
         for (slot, &order) in self.orders.iter().enumerate().take(slope.len() / contacts.max(1)) {
             let k = order as f64;
             let omega = k * base;
             self.factor(omega, slot, into);
-            let Condensed { rhs, scale, lu, .. } = &mut *into;
+            let Condensed { rhs, scale, factor, .. } = &mut *into;
             let loads = self.loads.get(slot).map_or(&[][..], |loads| loads);
             rhs.fill(c64::ZERO);
             for load in loads {
-                let factor = if load.grows { base * base } else { 1.0 };
-                rhs[(load.dof, 0)] += load.amplitude * (factor * scale[load.dof]);
+                let growth = if load.grows { base * base } else { 1.0 };
+                rhs[(load.dof, 0)] += load.amplitude * (growth * scale[load.dof]);
             }
             for (l, &(first, second)) in self.contacts.iter().enumerate() {
                 let force = felt[slot * contacts + l];
@@ -326,22 +372,16 @@ impl Structure {
                     rhs[(second, 0)] += force * scale[second];
                 }
             }
-            lu.solve(rhs.as_mut().subcols_mut(0, 1));
+            factor.solve(rhs.as_mut().subcols_mut(0, 1));
             let w: Vec<c64> = (0..n).map(|i| rhs[(i, 0)] * scale[i]).collect();
             rhs.fill(c64::ZERO);
             for load in loads.iter().filter(|load| load.grows) {
                 rhs[(load.dof, 0)] += load.amplitude * (2.0 * base * scale[load.dof]);
             }
-            for i in 0..n {
-                let change: c64 = (0..n)
-                    .map(|j| {
-                        let slope = c64::new(-2.0 * k * omega * self.mass[(i, j)], k * self.damping[(i, j)]);
-                        slope * w[j]
-                    })
-                    .sum();
+            for (i, change) in self.matrices.slope_times(k, omega, &w).into_iter().enumerate() {
                 rhs[(i, 0)] -= change * scale[i];
             }
-            lu.solve(rhs.as_mut().subcols_mut(0, 1));
+            factor.solve(rhs.as_mut().subcols_mut(0, 1));
             for (i, &(first, second)) in self.contacts.iter().enumerate() {
                 let at = |dof: usize| rhs[(dof, 0)] * scale[dof];
                 slope[slot * contacts + i] = at(first) - second.map_or(c64::ZERO, at);
@@ -349,45 +389,95 @@ impl Structure {
         }
     }
 
+    /// Responses of harmonic `slot` from the modes; whether they are good enough.
+    fn respond_by_modes(&self, slot: usize, base: f64, into: &mut Condensed) -> bool {
+        let Some(modal) =
+            self.modal.as_ref().filter(|_| (into.added_damping, into.self_excitation) == (0.0, 0.0))
+        else {
+            return false;
+        };
+        let (contacts, outputs) = (into.contacts, into.outputs);
+        let Condensed { modal: buffers, receptance, recovery, free, free_output, .. } = into;
+        if !modal.respond(self.orders[slot] as f64 * base, buffers) {
+            return false;
+        }
+        let [re, im] = &buffers.receptance;
+        // A contact much stiffer than the structure is felt in digits that a receptance without springs does not have.
+        let stiff = |i: usize| {
+            let stiffness =
+                if self.contact_stiffness[i].is_finite() { self.contact_stiffness[i] } else { 0.0 };
+            re[(i, i)].hypot(im[(i, i)]) * stiffness > MUCH_STIFFER
+        };
+        if (0..contacts).any(stiff) {
+            return false;
+        }
+        for i in 0..contacts {
+            let row = &mut receptance[(slot * contacts + i) * contacts..][..contacts];
+            for (l, entry) in row.iter_mut().enumerate() {
+                let (high, low) = (i.max(l), i.min(l));
+                *entry = c64::new(re[(high, low)], im[(high, low)]);
+            }
+        }
+        let [re, im] = &buffers.recovery;
+        for o in 0..outputs {
+            let row = &mut recovery[(slot * outputs + o) * contacts..][..contacts];
+            for (l, entry) in row.iter_mut().enumerate() {
+                *entry = c64::new(re[(o, l)], im[(o, l)]);
+            }
+        }
+        let free = &mut free[slot * contacts..(slot + 1) * contacts];
+        modal.free(slot, base, buffers, free, &mut free_output[slot * outputs..(slot + 1) * outputs]);
+        true
+    }
+
     /// Responses of harmonic `slot` to a unit force at every contact and to the excitation.
     fn respond(&self, slot: usize, base: f64, into: &mut Condensed) {
         let (contacts, outputs) = (into.contacts, into.outputs);
         let loads = self.loads.get(slot).map_or(&[][..], |loads| loads);
+        if loads.is_empty() {
+            into.free[slot * contacts..(slot + 1) * contacts].fill(c64::ZERO);
+            into.free_output[slot * outputs..(slot + 1) * outputs].fill(c64::ZERO);
+        }
         let columns = if loads.is_empty() { contacts } else { contacts + 1 };
-        let Condensed { rhs, scale, lu, .. } = into;
-        rhs.fill(c64::ZERO);
-        for (l, &(first, second)) in self.contacts.iter().enumerate() {
-            rhs[(first, l)] += scale[first];
-            if let Some(second) = second {
-                rhs[(second, l)] -= scale[second];
+        let Condensed { rhs, scale, factor, receptance, free, recovery, free_output, .. } = into;
+        let block = rhs.ncols();
+        for begin in (0..columns).step_by(block.max(1)) {
+            let end = columns.min(begin + block);
+            rhs.fill(c64::ZERO);
+            for l in begin..end.min(contacts) {
+                let (first, second) = self.contacts[l];
+                rhs[(first, l - begin)] += scale[first];
+                if let Some(second) = second {
+                    rhs[(second, l - begin)] -= scale[second];
+                }
             }
-        }
-        for load in loads {
-            let factor = if load.grows { base * base } else { 1.0 };
-            rhs[(load.dof, contacts)] += load.amplitude * (factor * scale[load.dof]);
-        }
-        if columns == 0 {
-            return;
-        }
-        lu.solve(rhs.as_mut().subcols_mut(0, columns));
-        // The displacement of a dof, relative to a second one for a contact.
-        let at = |dof: usize, column: usize| rhs[(dof, column)] * scale[dof];
-        let across = |i: usize, column: usize| {
-            let (first, second) = self.contacts[i];
-            at(first, column) - second.map_or(c64::ZERO, |second| at(second, column))
-        };
-        for i in 0..contacts {
-            for l in 0..contacts {
-                into.receptance[(slot * contacts + i) * contacts + l] = across(i, l);
+            for load in loads.iter().filter(|_| end > contacts) {
+                let growth = if load.grows { base * base } else { 1.0 };
+                rhs[(load.dof, contacts - begin)] += load.amplitude * (growth * scale[load.dof]);
             }
-            into.free[slot * contacts + i] = if loads.is_empty() { c64::ZERO } else { across(i, contacts) };
-        }
-        for (o, &dof) in self.outputs.iter().enumerate() {
-            for l in 0..contacts {
-                into.recovery[(slot * outputs + o) * contacts + l] = at(dof, l);
+            factor.solve(rhs.as_mut().subcols_mut(0, end - begin));
+            // The displacement of a dof, relative to a second one for a contact.
+            let at = |dof: usize, column: usize| rhs[(dof, column - begin)] * scale[dof];
+            let across = |i: usize, column: usize| {
+                let (first, second) = self.contacts[i];
+                at(first, column) - second.map_or(c64::ZERO, |second| at(second, column))
+            };
+            for i in 0..contacts {
+                for l in begin..end.min(contacts) {
+                    receptance[(slot * contacts + i) * contacts + l] = across(i, l);
+                }
+                if end > contacts {
+                    free[slot * contacts + i] = across(i, contacts);
+                }
             }
-            into.free_output[slot * outputs + o] =
-                if loads.is_empty() { c64::ZERO } else { at(dof, contacts) };
+            for (o, &dof) in self.outputs.iter().enumerate() {
+                for l in begin..end.min(contacts) {
+                    recovery[(slot * outputs + o) * contacts + l] = at(dof, l);
+                }
+                if end > contacts {
+                    free_output[slot * outputs + o] = at(dof, contacts);
+                }
+            }
         }
     }
 }

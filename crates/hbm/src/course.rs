@@ -115,7 +115,7 @@ impl FrequencyCourse {
 }
 
 /// The settings of a curve: the same harmonics at every point, all by Newton's method, no estimates.
-fn whole(settings: &Settings) -> Settings {
+pub(crate) fn whole(settings: &Settings) -> Settings {
     Settings {
         truncation: None,
         estimate: false,
@@ -146,7 +146,7 @@ fn resonances(problem: &Problem, orders: &[usize]) -> Vec<(f64, f64)> {
 }
 
 /// Springs in place of the contacts: (first, second, N/m).
-fn stuck_springs(problem: &Problem, stuck: bool) -> Vec<(usize, Option<usize>, f64)> {
+pub(crate) fn stuck_springs(problem: &Problem, stuck: bool) -> Vec<(usize, Option<usize>, f64)> {
     let stiffness = |contact: &crate::Contact| match (stuck, contact.law.stiffest()) {
         (false, _) => 0.0,
         (true, Some(stiffest)) => stiffest * contact.scale,

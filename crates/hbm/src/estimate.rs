@@ -55,11 +55,16 @@ impl Plan {
         Ok(())
     }
 
+    /// Whether errors of solutions are estimated.
+    pub(crate) fn estimating(&self) -> bool {
+        self.settings.estimate || self.settings.truncation.is_some()
+    }
+
     /// Completes a solution of `ws.goal`: estimates its errors where that is wanted, and takes more harmonics until the
     /// estimate meets the tolerance, or none are left.
     pub(crate) fn complete(&self, outcome: Outcome, hertz: f64, ws: &mut Workspace) -> Outcome {
         (ws.truncation_error, ws.sampling_error) = (None, None);
-        if !self.settings.estimate && self.settings.truncation.is_none() {
+        if !self.estimating() {
             return outcome;
         }
         let mut outcome = outcome;
@@ -148,7 +153,7 @@ impl Plan {
             .sum::<f64>()
             .sqrt();
         let tolerance = (DIGITS * added / ws.point.excitation_norm(to)).max(self.settings.tolerance);
-        let mut outcome = self.iterate_roughly(there, tolerance, FEW_STEPS, ws);
+        let mut outcome = self.iterate_roughly(there, to, tolerance, FEW_STEPS, ws);
         if !outcome.converged {
             ws.unknowns[..count].copy_from_slice(&ws.solved[..count]);
             let goal = std::mem::replace(&mut ws.goal, there);

@@ -24,7 +24,7 @@ pub(crate) struct Harmonics {
 impl Harmonics {
     /// The harmonics of `problem` up to `highest` · Ω, and with `estimate` those beyond that an estimate of the truncation
     /// error looks at. An undriven mean is left out where one harmonic is asked for and no law depends on it.
-    pub(crate) fn new(problem: &Problem, highest: usize, estimate: bool, mean_is_free: bool) -> Self {
+    pub(crate) fn new<M>(problem: &Problem<M>, highest: usize, estimate: bool, mean_is_free: bool) -> Self {
         let excited = || problem.excitation.iter().filter(|e| e.amplitude != 0.0).map(|e| e.harmonic);
         let fundamental = match excited().fold(0, gcd) {
             0 => 1,

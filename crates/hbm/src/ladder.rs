@@ -12,7 +12,10 @@ use crate::point::{Point, secant};
 const LEAST_CORE: usize = 31;
 
 /// Relative residual to which a rung on the way is solved: beyond it its own truncation error is larger.
-const ROUGHLY: f64 = 1e-4;
+const ROUGHLY: f64 = 3e-3;
+
+/// The same on the way of a homotopy.
+const PASSING: f64 = 1e-6;
 
 /// Perturbed starts tried at the end.
 const PERTURBED_STARTS: usize = 8;
@@ -22,6 +25,12 @@ const HOMOTOPY_STEPS: usize = 400;
 
 /// Complex unknowns that a homotopy along the arc may have.
 const ARC_ENTRIES: usize = 64;
+
+/// Above so many real unknowns only homotopies are tried: ways from elsewhere take too long.
+const MANY_UNKNOWNS: usize = 2048;
+
+/// Ways around a failed ladder that are tried however many unknowns there are.
+const HOMOTOPIES: usize = 5;
 
 /// The excitation homotopy begins where friction is a small part of the excitation.
 const LARGE_EXCITATION: f64 = 100.0;
@@ -35,30 +44,46 @@ impl Plan {
         homotopy: Homotopy,
         ws: &mut Workspace,
     ) -> Outcome {
-        let task = self.task(rung, slots, homotopy, &ws.point);
+        self.iterate_with(rung, slots, homotopy, self.criteria(), ws)
+    }
+
+    fn iterate_with(
+        &self,
+        rung: usize,
+        slots: usize,
+        homotopy: Homotopy,
+        criteria: Criteria,
+        ws: &mut Workspace,
+    ) -> Outcome {
+        let task = Task { criteria, ..self.task(rung, slots, homotopy, &ws.point) };
         let outcome = newton::solve(&task, &mut ws.unknowns, &mut ws.balance[rung], &mut ws.newton);
         ws.stats.iterations += outcome.iterations;
+        if std::env::var("TR").is_ok() {
+            let h = &ws.newton.history;
+            let h: Vec<String> = h.iter().map(|x| format!("{x:.0e}")).collect();
+            eprintln!("  rung {rung} it {} conv {} [{}]", outcome.iterations, outcome.converged, h.join(" "));
+        }
         outcome
     }
 
     fn task<'a>(&'a self, rung: usize, slots: usize, homotopy: Homotopy, point: &'a Point) -> Task<'a> {
         let core = self.core(slots, point);
-        Task { balance: self.balance(rung), point, slots, core, homotopy, criteria: self.criteria() }
+        let balance = self.balance(rung);
+        let krylov = self.settings.krylov(balance.size(point.width(), core), point.width());
+        Task { balance, point, slots, core, krylov, homotopy, criteria: self.criteria() }
     }
 
-    /// Newton's method with all harmonics of `rung`, until the residual is below `tolerance`, in a few steps.
+    /// Newton's method on the first `slots` harmonics, until the residual is below `tolerance`, in a few steps.
     pub(crate) fn iterate_roughly(
         &self,
         rung: usize,
+        slots: usize,
         tolerance: f64,
         steps: usize,
         ws: &mut Workspace,
     ) -> Outcome {
-        let mut task = self.task(rung, self.rungs[rung].slots, Homotopy::NONE, &ws.point);
-        task.criteria = Criteria { tolerance, max_iterations: steps, polish: false, ..task.criteria };
-        let outcome = newton::solve(&task, &mut ws.unknowns, &mut ws.balance[rung], &mut ws.newton);
-        ws.stats.iterations += outcome.iterations;
-        outcome
+        let rough = Criteria { tolerance, max_iterations: steps, polish: false, ..self.criteria() };
+        self.iterate_with(rung, slots, Homotopy::NONE, rough, ws)
     }
 
     /// The step that Newton's method with the samples of `rung` would make, into `kept`; whether there is one.
@@ -86,17 +111,20 @@ impl Plan {
     pub(crate) fn fall_back(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
         let mut best = Outcome::NONE;
         type Attempt = fn(&Plan, f64, &mut Workspace) -> Outcome;
-        let attempts: [Attempt; 8] = [
+        let attempts: [Attempt; 9] = [
             |plan, _, ws| plan.secant_homotopy(ws),
             |plan, _, ws| plan.stiffness_homotopy(ws),
             |plan, _, ws| plan.contact_homotopy(ws),
             |plan, _, ws| plan.excitation_homotopy(ws),
             Self::damping_homotopy,
             |plan, _, ws| plan.arclength_homotopy(ws),
+            |plan, _, ws| plan.start_at_rest(ws),
             |plan, _, ws| plan.perturbed_starts(ws),
             Self::detour,
         ];
-        for attempt in attempts {
+        let unknowns = self.balance(ws.goal).size(ws.point.width(), self.rungs[ws.goal].slots);
+        let tried = if unknowns > MANY_UNKNOWNS { HOMOTOPIES } else { attempts.len() };
+        for attempt in attempts.into_iter().take(tried) {
             let outcome = attempt(self, hertz, ws);
             if outcome.converged {
                 return outcome;
@@ -119,6 +147,8 @@ impl Plan {
         let goal = ws.goal;
         let core = self.core(self.rungs[goal].slots, &ws.point);
         let mut outcome = Outcome { converged: from > goal, residual: 0.0, ..Outcome::NONE };
+        // So many harmonics are solved, and one more fails.
+        let mut stuck = 0;
         for (index, rung) in self.rungs.iter().enumerate().take(goal + 1).skip(from) {
             // Between the harmonics that need Newton's method and all of them there is nothing to climb.
             if rung.slots > core && index < goal && reached >= core {
@@ -129,7 +159,7 @@ impl Plan {
             ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
             self.extend(index, reached, rung.slots, ws);
             outcome = if index < goal {
-                self.iterate_roughly(index, ROUGHLY, self.settings.max_iterations, ws)
+                self.iterate_roughly(index, rung.slots, ROUGHLY, self.settings.max_iterations, ws)
             } else {
                 self.iterate(index, rung.slots, Homotopy::NONE, ws)
             };
@@ -138,13 +168,25 @@ impl Plan {
                 continue;
             }
             ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
+            if rung.slots == reached + 1 || reached == stuck {
+                // One harmonic more was tried already.
+                stuck = reached;
+                continue;
+            }
             let mut slots = reached;
             while slots > 0 && slots < rung.slots {
                 ws.stats.extra_rungs += 1;
                 self.extend(index, slots, slots + 1, ws);
-                outcome = self.iterate(index, slots + 1, Homotopy::NONE, ws);
+                outcome = if slots + 1 < rung.slots || index < goal {
+                    self.iterate_roughly(index, slots + 1, ROUGHLY, self.settings.max_iterations, ws)
+                } else {
+                    self.iterate(index, slots + 1, Homotopy::NONE, ws)
+                };
                 if !outcome.converged {
                     ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
+                    if slots == reached {
+                        stuck = reached;
+                    }
                     break;
                 }
                 slots += 1;
@@ -156,7 +198,8 @@ impl Plan {
         outcome
     }
 
-    /// Adds harmonics `from..to` to the unknowns, each as the response to the force harmonic of the motion so far.
+    /// Adds harmonics `from..to` to the unknowns, each as the response to the force harmonic of the motion so far; zero where
+    /// that makes the residual of many contacts larger.
     pub(crate) fn extend(&self, rung: usize, from: usize, to: usize, ws: &mut Workspace) {
         let width = ws.point.width();
         if from == 0 || from >= to {
@@ -165,10 +208,17 @@ impl Plan {
         let range = from * width..to * width;
         ws.unknowns[range.clone()].fill(c64::ZERO);
         let balance = self.balance(rung);
-        if balance.evaluate(&ws.point, to, Homotopy::NONE, &ws.unknowns, &mut ws.balance[rung]).is_ok() {
-            for entry in range {
-                ws.unknowns[entry] = -ws.balance[rung].residual[entry];
-            }
+        let Workspace { point, unknowns, balance: buffers, .. } = ws;
+        let buffers = &mut buffers[rung];
+        let Ok(before) = balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers) else { return };
+        for entry in range.clone() {
+            unknowns[entry] = -buffers.residual[entry];
+        }
+        // Contacts side by side overshoot together where the structure answers much; the Newton step knows them all.
+        let many = self.settings.krylov(balance.size(width, to), width) && point.contracting > from;
+        let worse = |after: Result<f64, _>| after.map_or(true, |after| after > before);
+        if many && worse(balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers)) {
+            unknowns[range].fill(c64::ZERO);
         }
     }
 
@@ -213,7 +263,7 @@ impl Plan {
     }
 
     /// Solves `(1 + Ĝ K̂) û = û⁰` in every slot with the secant stiffnesses of the point.
-    fn solve_with_secants(&self, slots: usize, ws: &mut Workspace) {
+    pub(crate) fn solve_with_secants(&self, slots: usize, ws: &mut Workspace) {
         let width = ws.point.width();
         for slot in 0..slots {
             for column in 0..width {
@@ -354,7 +404,11 @@ impl Plan {
                     ws.unknowns[entry] = ws.kept[entry] + slope * ratio;
                 }
             }
-            outcome = self.iterate(last, slots, homotopy(next), ws);
+            let mut criteria = self.criteria();
+            if next < end {
+                criteria = Criteria { tolerance: PASSING, polish: false, ..criteria };
+            }
+            outcome = self.iterate_with(last, slots, homotopy(next), criteria, ws);
             if outcome.converged {
                 if next >= end {
                     return outcome;
@@ -377,6 +431,15 @@ impl Plan {
             }
         }
         Outcome { converged: false, residual: f64::INFINITY, ..outcome }
+    }
+
+    /// Newton's method from no motion at all: its first step is the motion with the tangents at rest. Friction that depends on
+    /// the velocity is a damper there, and may be a staircase at any larger motion.
+    fn start_at_rest(&self, ws: &mut Workspace) -> Outcome {
+        ws.stats.starts_at_rest += 1;
+        let slots = self.rungs[ws.goal].slots;
+        ws.unknowns[..slots * ws.point.width()].fill(c64::ZERO);
+        self.iterate(ws.goal, slots, Homotopy::NONE, ws)
     }
 
     /// The free response scaled and turned at random, from a fixed seed.

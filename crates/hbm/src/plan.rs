@@ -2,18 +2,34 @@
 
 use contact::TurningPoints;
 use faer::{Mat, c64};
+use structure::SparseModel;
 
 use crate::balance::{Balance, BalanceBuffers};
 use crate::condensation::{Condensed, Structure};
 use crate::dense::Lu;
 use crate::error::PlanError;
 use crate::harmonics::Harmonics;
+use crate::matrices::Matrices;
 use crate::newton::{Criteria, NewtonBuffers};
 use crate::point::Point;
 use crate::problem::{Contact, ExcitationKind, Problem};
+use crate::scalar::Root;
 use crate::settings::{Settings, Start};
 use crate::solution::Stats;
+use crate::sparse::SparseMatrices;
 use crate::transform::Transform;
+
+/// How the receptances at the contacts are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Receptances {
+    /// From a factorisation of the dense dynamic stiffness, one a harmonic.
+    Dense,
+    /// As sums over the modes of the structure, which its damping does not couple; from factorisations near resonances that
+    /// nothing damps.
+    Modes,
+    /// From a factorisation of the sparse dynamic stiffness, one a harmonic.
+    Sparse,
+}
 
 /// What a plan uses and what it leaves out, for a reader.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,8 +58,12 @@ pub struct PlanFacts {
     pub bounded_stiffness: bool,
     /// Dofs that carry no contact and are condensed away.
     pub condensed_dofs: usize,
+    /// How receptances are found.
+    pub receptances: Receptances,
     /// Real unknowns of the iteration.
     pub unknowns: usize,
+    /// Newton steps with all harmonics are solved for by GMRES, without factoring the whole derivative.
+    pub krylov: bool,
 }
 
 /// One rung of the ladder in N.
@@ -105,7 +125,7 @@ pub struct Workspace {
     /// Estimates for the solution at hand.
     pub(crate) truncation_error: Option<f64>,
     pub(crate) sampling_error: Option<f64>,
-    pub(crate) roots: Vec<f64>,
+    pub(crate) roots: Vec<Root>,
     pub(crate) held: Vec<bool>,
     /// Holding forces in N, entry `[slot][contact]`.
     pub(crate) holding: Vec<c64>,
@@ -129,8 +149,63 @@ impl Plan {
     /// [`PlanError`] naming what cannot be: an excitation harmonic above N, a dof that does not exist, a contact of a
     /// dof with itself.
     pub fn new(problem: &Problem, settings: &Settings) -> Result<Self, PlanError> {
-        check(problem, settings)?;
-        check_size(problem, settings)?;
+        let model = &problem.model;
+        check(problem, model.dofs(), model.base_loads().len(), settings)?;
+        check_size(problem, model.dofs(), settings)?;
+        let matrices = Matrices::Dense {
+            mass: model.mass().clone(),
+            damping: model.damping().clone(),
+            stiffness: model.stiffness().clone(),
+        };
+        Ok(Self::make(problem, matrices, model.base_loads(), settings))
+    }
+
+    /// Plans a problem whose structure is not reduced: at every frequency the sparse dynamic stiffness of every harmonic
+    /// is factored. A reduced model is faster by far at more than a few frequencies.
+    ///
+    /// # Errors
+    /// As [`Plan::new`]; also modal damping, which needs modes, and matrices whose factors do not fit into memory.
+    pub fn direct(problem: &Problem<SparseModel>, settings: &Settings) -> Result<Self, PlanError> {
+        let mut inertia = vec![0.0; problem.model.mass.nrows()];
+        for entry in problem.model.mass.triplet_iter() {
+            if let Some(sum) = inertia.get_mut(entry.row) {
+                *sum += *entry.val;
+            }
+        }
+        Self::direct_with_base(problem, &[inertia], settings)
+    }
+
+    /// Likewise with other base motions than that of all dofs alike: for each M r in kg on all dofs, as in
+    /// [`Model::with_base_loads`](structure::Model::with_base_loads).
+    ///
+    /// # Errors
+    /// As [`Plan::direct`]; also base loads that have not one finite number a dof.
+    pub fn direct_with_base(
+        problem: &Problem<SparseModel>,
+        base_loads: &[Vec<f64>],
+        settings: &Settings,
+    ) -> Result<Self, PlanError> {
+        let model = &problem.model;
+        let dofs = model.mass.nrows();
+        check(problem, dofs, base_loads.len(), settings)?;
+        if base_loads.iter().any(|load| load.len() != dofs || load.iter().any(|x| !x.is_finite())) {
+            let problem = format!("base loads must have {dofs} finite numbers");
+            return Err(PlanError { place: "model.mass".into(), problem });
+        }
+        // Sparse matrices take what they have entries for.
+        check_size(problem, 0, settings)?;
+        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
+        let matrices = Matrices::Sparse(SparseMatrices::new(model, &contacts)?);
+        Ok(Self::make(problem, matrices, base_loads, settings))
+    }
+
+    /// The plan of a problem that was checked.
+    fn make<M>(
+        problem: &Problem<M>,
+        matrices: Matrices,
+        base_loads: &[Vec<f64>],
+        settings: &Settings,
+    ) -> Self {
         let contacts = problem.contacts.clone();
         let nature = |c: &Contact| c.law.nature();
         let mean_is_free = contacts.iter().all(|c| !nature(c).determines_mean);
@@ -155,8 +230,11 @@ impl Plan {
             Some(_) => (if n < LONG { 8 } else { 4 }) * (n + 1),
             None => c.law.samples(n),
         };
+        let on_the_way = |n: usize| settings.truncation.is_none() && n < harmonics.asked;
         let rung = |n: usize, least: usize| {
             let asked = contacts.iter().map(|c| needed(c, n)).max().unwrap_or(0);
+            // A rung on the way is left before its sampling error counts.
+            let asked = if on_the_way(n) && sampled(&contacts, exact) { asked / 2 } else { asked };
             let samples = settings.samples.unwrap_or(asked).max(4 * (n + 1)).max(least).next_power_of_two();
             Rung { order: n, slots: harmonics.up_to(n), transform: Transform::new(samples) }
         };
@@ -169,8 +247,9 @@ impl Plan {
         }
         let carrying: std::collections::BTreeSet<usize> =
             contacts.iter().flat_map(|c| [Some(c.first), c.second]).flatten().collect();
-        Ok(Self {
-            structure: Structure::new(problem, &harmonics),
+        Self {
+            condensed_dofs: matrices.dofs() - carrying.len(),
+            structure: Structure::new(problem, matrices, base_loads, &harmonics),
             harmonics,
             rungs,
             top,
@@ -179,9 +258,8 @@ impl Plan {
             exact,
             scalar,
             scalar_start,
-            condensed_dofs: problem.model.dofs() - carrying.len(),
             contacts,
-        })
+        }
     }
 
     /// Harmonics of Ω that are not identically zero, ascending; columns of every spectrum in a
@@ -198,6 +276,7 @@ impl Plan {
         let sampled = iterated && event_exact < self.contacts.len();
         let bounded = self.contacts.iter().all(|c| c.law.stiffest().is_some());
         let last = self.rungs.get(self.top);
+        let unknowns = self.balance(self.top).size(self.contacts.len(), self.slots());
         PlanFacts {
             fundamental: self.harmonics.fundamental,
             odd: self.harmonics.odd,
@@ -221,7 +300,9 @@ impl Plan {
                 .map(|rung| rung.order * self.harmonics.fundamental),
             bounded_stiffness: bounded,
             condensed_dofs: self.condensed_dofs,
-            unknowns: self.balance(self.top).size(self.contacts.len(), self.slots()),
+            receptances: self.structure.receptances(),
+            unknowns,
+            krylov: iterated && self.settings.krylov(unknowns, self.contacts.len()),
         }
     }
 
@@ -317,13 +398,19 @@ fn ladder(harmonics: &Harmonics) -> Vec<usize> {
 const MOST_BYTES: f64 = 4e9;
 
 /// Refuses what would not fit into memory before anything is allocated.
-fn check_size(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
-    let (contacts, dofs) = (problem.contacts.len() as f64, problem.model.dofs() as f64);
+fn check_size<M>(problem: &Problem<M>, dofs: usize, settings: &Settings) -> Result<(), PlanError> {
+    let (contacts, dofs) = (problem.contacts.len() as f64, dofs as f64);
     // Sized as if no harmonic could be left out or slaved.
     let harmonics = settings.harmonics as f64;
     let unknowns = 2.0 * (harmonics + 1.0) * contacts;
     let outputs = problem.output.len() as f64;
-    let bytes = 8.0 * unknowns * unknowns
+    let derivative = if settings.krylov(unknowns as usize, problem.contacts.len()) {
+        // The preconditioner, and one block a contact.
+        16.0 * (harmonics + 1.0) * contacts * (contacts + 2.0 * (harmonics + 1.0))
+    } else {
+        8.0 * unknowns * unknowns
+    };
+    let bytes = derivative
         + 16.0 * 2.0 * harmonics * contacts * (contacts + outputs)
         + 16.0 * dofs * (dofs + contacts);
     if bytes > MOST_BYTES && unknowns > SAFE_UNKNOWNS {
@@ -341,9 +428,13 @@ fn check_size(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
 /// So many real unknowns always fit.
 const SAFE_UNKNOWNS: f64 = 16_384.0;
 
-fn check(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
+fn check<M>(
+    problem: &Problem<M>,
+    n: usize,
+    base_motions: usize,
+    settings: &Settings,
+) -> Result<(), PlanError> {
     let error = |place: String, problem: String| Err(PlanError { place, problem });
-    let n = problem.model.dofs();
     let most = settings.harmonics;
     if most == 0 || most > MOST_HARMONICS {
         return error("harmonics".into(), format!("must be between 1 and {MOST_HARMONICS}, got {most}"));
@@ -362,7 +453,7 @@ fn check(problem: &Problem, settings: &Settings) -> Result<(), PlanError> {
             return error(format!("excitation[{i}]"), "amplitude and phase must be finite".into());
         }
         let (known, of_what) = match excitation.kind {
-            ExcitationKind::Base => (problem.model.base_loads().len(), "base motions"),
+            ExcitationKind::Base => (base_motions, "base motions"),
             ExcitationKind::Force | ExcitationKind::Unbalance => (n, "dofs"),
         };
         if excitation.dof >= known {

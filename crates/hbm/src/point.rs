@@ -15,7 +15,7 @@ use contact::Law;
 use faer::{Mat, c64};
 
 use crate::condensation::Condensed;
-use crate::dense::Lu;
+use crate::dense::{Entry, Lu};
 use crate::problem::Contact;
 
 /// Dimensionless balance of the active contacts at one frequency; buffers are reused.
@@ -74,7 +74,7 @@ impl Held {
     /// Replaces the first `columns` of `rhs` by `G_hh⁻¹ rhs`, `G_hh` in `receptance`; of many solutions the smallest.
     fn solve(&mut self, columns: usize) {
         let n = self.contacts.len();
-        let largest = (0..n).map(|r| self.receptance[(r, r)].norm()).fold(0.0, f64::max);
+        let largest = (0..n).map(|r| self.receptance[(r, r)].magnitude()).fold(0.0, f64::max);
         for c in 0..n {
             for r in 0..n {
                 self.lu.matrix[(r, c)] = self.receptance[(r, c)];
@@ -220,7 +220,7 @@ impl Point {
     fn choose_units(&mut self, contacts: &[Contact], slots: usize) {
         let width = self.width();
         for (row, &c) in self.active.iter().enumerate() {
-            let size: f64 = (0..slots).map(|s| self.free[s * width + row].norm()).fold(0.0, f64::max);
+            let size: f64 = (0..slots).map(|s| self.free[s * width + row].magnitude()).fold(0.0, f64::max);
             let Contact { law, scale, .. } = &contacts[c];
             let length = law.length().unwrap_or(if size > 0.0 { size } else { 1.0 });
             let force = law.secant_stiffness(length) * length * scale;
@@ -242,11 +242,11 @@ impl Point {
                 }
                 self.free[slot * width + row] /= self.length[row];
                 self.lent[slot * width + row] *= self.length[row] / self.force[row];
-                let own = self.receptance[(slot * width + row) * width + row].norm();
+                let own = self.receptance[(slot * width + row) * width + row].magnitude();
                 self.weight[slot * width + row] = 1.0 / (1.0 + own);
                 let pull = |column: usize| {
-                    let stiffness = self.stiffest[column] + self.lent[slot * width + column].norm();
-                    self.receptance[(slot * width + row) * width + column].norm() * stiffness
+                    let stiffness = self.stiffest[column] + self.lent[slot * width + column].magnitude();
+                    self.receptance[(slot * width + row) * width + column].magnitude() * stiffness
                 };
                 let factor: f64 = (0..width).map(pull).sum();
                 if factor.is_nan() || factor > CONTRACTION {

@@ -51,9 +51,9 @@ pub struct Contact {
 
 /// A mechanical model with contacts under periodic excitation.
 #[derive(Debug, Clone)]
-pub struct Problem {
-    /// Mass, damping and stiffness.
-    pub model: Model,
+pub struct Problem<M = Model> {
+    /// Mass, damping and stiffness: a [`Model`], or a [`structure::SparseModel`] that is not reduced.
+    pub model: M,
     /// All excitations; they add up.
     pub excitation: Vec<Excitation>,
     /// All contacts.

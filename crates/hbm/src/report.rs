@@ -4,6 +4,7 @@ use contact::ContactState;
 use faer::c64;
 use num_complex::Complex64;
 
+use crate::dense::Entry;
 use crate::plan::{Plan, Workspace};
 use crate::solution::{ContactSolution, Solution, Status};
 
@@ -64,7 +65,7 @@ impl Plan {
     fn report_motion(&self, c: usize, report: &mut ContactSolution, ws: &mut Workspace) {
         let marks = if self.scalar {
             let first = self.first_slot().and_then(|slot| report.displacement.get(slot));
-            report.amplitude = first.map_or(0.0, |w| w.norm());
+            report.amplitude = first.map_or(0.0, |w| w.magnitude());
             report.turning_points = 2;
             self.contacts[c].law.describing_function().map(|law| law.marks(report.amplitude))
         } else {

@@ -12,6 +12,7 @@
 use contact::DescribingFunction;
 use num_complex::Complex64;
 
+use crate::dense::Entry;
 use crate::holding::HOLDING_SLACK;
 
 /// The balance of the first harmonic at one contact.
@@ -23,16 +24,44 @@ pub(crate) struct ScalarBalance<'l> {
     pub(crate) receptance: Complex64,
     /// 1 − G S: one, but where springs S were lent to a singular structure.
     pub(crate) own: Complex64,
-    /// u⁰ in m, not zero.
-    pub(crate) free: Complex64,
+    /// |u⁰| in m, not zero.
+    pub(crate) free: f64,
     /// Amplitude in m at which the law has its character.
     pub(crate) length: f64,
 }
 
-/// A node of the search: amplitude, z = a + G F_1(a) and dz/da, φ = |z| − |u⁰| and φ'.
+/// A solution of the balance.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Root {
+    /// Amplitude in m.
+    pub(crate) a: f64,
+    /// a + G F_1(a) in m: the free response is this long and has this phase against the displacement.
+    z: Complex64,
+    /// F_1(a) in N of a motion a cos τ, with the factor of the contact.
+    pub(crate) force: Complex64,
+    /// |φ| relative to |u⁰|.
+    pub(crate) residual: f64,
+}
+
+impl Root {
+    /// Harmonic of the relative displacement in m that belongs to the free response `free`.
+    pub(crate) fn displacement(&self, free: Complex64) -> Complex64 {
+        // Of magnitude a, whatever rounding makes of |z| = |u⁰| where its terms nearly cancel.
+        let direction = free / self.z;
+        direction * (self.a / direction.magnitude())
+    }
+
+    /// Whether the law creates energy at this amplitude: no root there is a motion of a friction contact.
+    pub(crate) fn creates_energy(&self) -> bool {
+        self.force.im < 0.0
+    }
+}
+
+/// A node of the search: amplitude, F_1, z = a + G F_1(a) and dz/da, φ = |z| − |u⁰| and φ'.
 #[derive(Clone, Copy)]
 struct Node {
     a: f64,
+    force: Complex64,
     z: Complex64,
     dz: Complex64,
     value: f64,
@@ -48,61 +77,76 @@ const HALVINGS: usize = 12;
 /// No grid spans more nodes than this (2^240 covers all of f64's useful range).
 const MOST_NODES: usize = 240;
 
+/// Bounds of roots are moved outwards by this part: far more than rounding.
+const OUTWARDS: f64 = 1e-12;
+
 impl ScalarBalance<'_> {
     fn node(&self, a: f64) -> Node {
         let first = self.law.first_harmonic(a);
-        let z = self.own * a + self.receptance * first.force * self.scale;
-        let dz = self.own + self.receptance * first.derivative * self.scale;
-        let norm = z.norm();
-        let slope = if norm > 0.0 { (z.conj() * dz).re / norm } else { 0.0 };
-        Node { a, z, dz, value: norm - self.free.norm(), slope }
+        let force = first.force * self.scale;
+        let z = self.own * a + self.receptance * force;
+        let dz = self.own + self.receptance * (first.derivative * self.scale);
+        let norm = z.magnitude();
+        let slope = if norm > 0.0 { (z.re * dz.re + z.im * dz.im) / norm } else { 0.0 };
+        Node { a, force, z, dz, value: norm - self.free, slope }
+    }
+
+    fn root(&self, node: Node) -> Root {
+        Root { a: node.a, z: node.z, force: node.force, residual: node.value.abs() / self.free }
     }
 
     /// |G F_1(a)| in m.
     fn pull(&self, a: f64) -> f64 {
-        (self.receptance * self.law.first_harmonic(a).force * self.scale).norm()
+        (self.receptance * (self.law.first_harmonic(a).force * self.scale)).magnitude()
+    }
+
+    /// What |G F_1| does not exceed up to amplitude `a` where the law knows it, in m.
+    fn largest_pull(&self, a: f64) -> Option<f64> {
+        let largest = self.receptance.magnitude() * self.scale * self.law.largest(a)?;
+        largest.is_finite().then_some(largest)
     }
 
     /// Whether the contact can hold the excitation at rest, up to the rounding of both.
     pub(crate) fn can_hold(&self) -> bool {
         let limit = self.receptance * self.law.at_rest() * self.scale;
-        limit != Complex64::ZERO && self.free.norm() <= limit.norm() * (1.0 + HOLDING_SLACK)
-    }
-
-    /// Harmonic of the relative displacement in m that belongs to the root `a`.
-    pub(crate) fn displacement(&self, a: f64) -> Complex64 {
-        // Of magnitude a, whatever rounding makes of |z| = |u⁰| where its terms nearly cancel.
-        let z = self.own * a + self.receptance * self.law.first_harmonic(a).force * self.scale;
-        let direction = self.free / z;
-        direction * (a / direction.norm())
-    }
-
-    /// Whether the law creates energy at this amplitude: no root there is a motion of a friction contact.
-    pub(crate) fn creates_energy(&self, a: f64) -> bool {
-        self.law.first_harmonic(a).force.im < 0.0
-    }
-
-    /// |φ| relative to |u⁰|.
-    pub(crate) fn residual(&self, a: f64) -> f64 {
-        self.node(a).value.abs() / self.free.norm()
+        limit != Complex64::ZERO && self.free <= limit.magnitude() * (1.0 + HOLDING_SLACK)
     }
 
     /// No root lies above: there the displacement outweighs a pull that falls behind it, a pull that runs ahead
     /// outweighs the displacement, or the law has become a spring and the balance is linear.
     fn upper_end(&self) -> f64 {
-        let free = self.free.norm();
-        let mut a = free.max(self.length);
+        let own = self.own.magnitude();
+        if let Some(largest) = self.largest_pull(f64::INFINITY).filter(|_| own > 0.0) {
+            return (self.free + largest) / own * (1.0 + OUTWARDS);
+        }
+        let pull = |a: f64| self.largest_pull(a).unwrap_or_else(|| self.pull(a));
+        let mut a = self.free.max(self.length);
+        let mut here = pull(a);
         for _ in 0..MOST_NODES {
-            let (here, beyond) = (self.pull(a), self.pull(2.0 * a));
+            let beyond = pull(2.0 * a);
             // Up to rounding, which a spring shows at large amplitudes.
             let softening = beyond <= 2.0 * here * (1.0 + 1e-12);
-            let outweighed = softening && (a * self.own.norm() > free + here || self.linear_above(a));
-            if outweighed || (!softening && here > a * self.own.norm() + free) {
+            if softening && a * own > self.free + here {
+                return self.drawn_in(a, own);
+            }
+            let ahead = || self.pull(a) > a * own + self.free;
+            if if softening { self.linear_above(a) } else { ahead() } {
                 break;
             }
             a *= RATIO;
+            here = beyond;
         }
         a
+    }
+
+    /// An upper bound of the roots below `a`, by what the law can pull at most: `a ≤ (|u⁰| + |G F_1|)/|1 − G S|`.
+    fn drawn_in(&self, a: f64, own: f64) -> f64 {
+        let mut upper = a;
+        for _ in 0..3 {
+            let Some(largest) = self.largest_pull(upper) else { break };
+            upper = upper.min((self.free + largest) / own * (1.0 + OUTWARDS));
+        }
+        upper
     }
 
     /// Of a softening law: beyond `a` the force is a spring's plus a rest that hardly grows, and the balance too large for a root:
@@ -112,21 +156,26 @@ impl ScalarBalance<'_> {
         let (one, two, four) = (force(a), force(2.0 * a), force(4.0 * a));
         let (before, slope) = ((two - one) / a, (four - two) / (2.0 * a));
         let rest = four - slope * (4.0 * a);
-        let stiffness = (self.own + slope).norm();
-        (slope - before).norm() < 1e-3 * stiffness && a * stiffness > self.free.norm() + 2.0 * rest.norm()
+        let stiffness = (self.own + slope).magnitude();
+        (slope - before).magnitude() < 1e-3 * stiffness && a * stiffness > self.free + 2.0 * rest.magnitude()
     }
 
     /// No root lies below, or so close to rest that the law is linear there up to rest itself.
     fn lower_end(&self, upper: f64) -> f64 {
-        let free = self.free.norm();
+        let own = self.own.magnitude();
+        let least = self.largest_pull(upper).map_or(0.0, |largest| (self.free - largest) / own);
+        if least > 0.0 && least < upper {
+            return least * (1.0 - OUTWARDS);
+        }
         let floor = if self.law.at_rest() == Complex64::ZERO {
             0.0
         } else {
             1e-3 * self.law.landmark().unwrap_or(self.length)
         };
-        let mut a = 0.5 * upper.min(free.max(self.length));
+        let mut a = 0.5 * upper.min(self.free.max(self.length));
         for _ in 0..MOST_NODES {
-            if a <= floor || a * self.own.norm() + self.pull(a) < free {
+            let pull = self.largest_pull(a).unwrap_or_else(|| self.pull(a));
+            if a <= floor || a * own + pull < self.free {
                 break;
             }
             a /= RATIO;
@@ -134,12 +183,33 @@ impl ScalarBalance<'_> {
         a
     }
 
-    /// All amplitudes a > 0 with φ(a) = 0, ascending, appended to `roots`.
-    pub(crate) fn roots(&self, roots: &mut Vec<f64>) {
+    /// The root at which the law is a spring, as it is up to the amplitude `end`; `None` where it is none there.
+    fn spring_root(&self, end: f64) -> Option<Root> {
+        let node = self.node(end);
+        (node.value > 0.0).then(|| {
+            let part = self.free / (node.value + self.free);
+            Root { a: end * part, z: node.z * part, force: node.force * part, residual: 0.0 }
+        })
+    }
+
+    /// All solutions with a > 0, ascending, appended to `roots`.
+    pub(crate) fn roots(&self, roots: &mut Vec<Root>) {
         let upper = self.upper_end();
-        let lower = self.lower_end(upper);
+        let mut lower = self.lower_end(upper);
         let landmark = self.law.landmark().filter(|l| *l > lower && *l < upper);
-        let mut left = if self.law.at_rest() == Complex64::ZERO { self.node(lower) } else { self.node(0.0) };
+        let linear = self.law.spring_up_to().filter(|end| *end > lower);
+        if let Some(end) = linear {
+            roots.extend(self.spring_root(end));
+            if end >= upper {
+                return;
+            }
+            lower = end;
+        }
+        let starts_at_rest = linear.is_none() && self.law.at_rest() != Complex64::ZERO;
+        let mut left = self.node(if starts_at_rest { 0.0 } else { lower });
+        if linear.is_some() {
+            left = self.beyond_landmark(left, roots);
+        }
         let mut a = if left.a == 0.0 { lower } else { lower * RATIO };
         loop {
             let last = a >= upper;
@@ -151,22 +221,28 @@ impl ScalarBalance<'_> {
             }
             let node = self.node(right);
             self.cell(left, node, HALVINGS, roots);
-            // The slope may jump at a landmark: go on with the slope beyond it. A root may lie in between.
-            left = if Some(right) == landmark { self.node(right * (1.0 + 4.0 * f64::EPSILON)) } else { node };
-            let stepped_over = left.a != node.a && node.value * left.value <= 0.0 && left.value != 0.0;
-            let done = last && right >= upper;
-            if stepped_over || (done && node.value == 0.0) {
-                roots.push(node.a);
-            }
-            if done {
+            left = if Some(right) == landmark { self.beyond_landmark(node, roots) } else { node };
+            if last && right >= upper {
+                if node.value == 0.0 && left.a == node.a {
+                    roots.push(self.root(node));
+                }
                 break;
             }
         }
     }
 
+    /// The slope may jump at a landmark: the node just beyond it. A root may lie in between.
+    fn beyond_landmark(&self, node: Node, roots: &mut Vec<Root>) -> Node {
+        let beyond = self.node(node.a * (1.0 + 4.0 * f64::EPSILON));
+        if node.value * beyond.value <= 0.0 && beyond.value != 0.0 {
+            roots.push(self.root(node));
+        }
+        beyond
+    }
+
     /// Roots between two nodes. Where the slope changes sign the cell is split at the extreme value, so that a pair
     /// of roots that nearly touch is not lost.
-    fn cell(&self, left: Node, right: Node, halvings: usize, roots: &mut Vec<f64>) {
+    fn cell(&self, left: Node, right: Node, halvings: usize, roots: &mut Vec<Root>) {
         if halvings > 0 && turns(left, right) > 1 {
             let middle = self.node(0.5 * (left.a + right.a));
             self.cell(left, middle, halvings - 1, roots);
@@ -197,9 +273,9 @@ impl ScalarBalance<'_> {
         let extreme = if lowest { low } else { high };
         if left.value * extreme.value > 0.0
             && right.value * extreme.value > 0.0
-            && extreme.value.abs() <= 1e-14 * self.free.norm()
+            && extreme.value.abs() <= 1e-14 * self.free
         {
-            roots.push(extreme.a);
+            roots.push(self.root(extreme));
             return;
         }
         self.monotone(left, extreme, roots);
@@ -207,9 +283,9 @@ impl ScalarBalance<'_> {
     }
 
     /// The root between two nodes of different sign, by Newton's method kept inside the bracket.
-    fn monotone(&self, left: Node, right: Node, roots: &mut Vec<f64>) {
+    fn monotone(&self, left: Node, right: Node, roots: &mut Vec<Root>) {
         if left.value == 0.0 && left.a > 0.0 {
-            roots.push(left.a);
+            roots.push(self.root(left));
             return;
         }
         if left.value * right.value >= 0.0 {
@@ -217,24 +293,30 @@ impl ScalarBalance<'_> {
         }
         let (mut low, mut high) = (left, right);
         let mut here = if left.value.abs() < right.value.abs() { left } else { right };
+        let mut before = 0.0;
         for _ in 0..100 {
             let newton = here.a - here.value / here.slope;
-            let next = if newton > low.a && newton < high.a { newton } else { 0.5 * (low.a + high.a) };
+            let inside = newton > low.a && newton < high.a;
+            let next = if inside { newton } else { 0.5 * (low.a + high.a) };
             let step = (next - here.a).abs();
             here = self.node(next);
+            // Of steps that shrink quadratically the next one, c³/s² or less, is known to be lost in rounding.
+            let settled = inside && step * step * step <= 0.5 * f64::EPSILON * next * before * before;
+            before = step;
             if here.value * low.value > 0.0 {
                 low = here;
             } else {
                 high = here;
             }
             if here.value == 0.0
+                || settled
                 || step <= 2.0 * f64::EPSILON * next
                 || high.a - low.a <= 2.0 * f64::EPSILON * high.a
             {
                 break;
             }
         }
-        roots.push(here.a);
+        roots.push(self.root(here));
     }
 }
 
@@ -269,11 +351,11 @@ mod tests {
             scale: 1.0,
             receptance,
             own: Complex64::ONE,
-            free: Complex64::from(free),
+            free,
             length: law.length().unwrap_or(free),
         };
         balance.roots(&mut roots);
-        roots
+        roots.iter().map(|root| root.a).collect()
     }
 
     #[test]

@@ -4,9 +4,10 @@ use contact::{ContactState, LawError};
 use faer::c64;
 
 use crate::balance::Homotopy;
+use crate::dense::Entry;
 use crate::newton::Outcome;
 use crate::plan::{Plan, Workspace};
-use crate::scalar::ScalarBalance;
+use crate::scalar::{Root, ScalarBalance};
 use crate::settings::Start;
 use crate::solution::{FailureReason, Solution, Stats, Status};
 
@@ -131,22 +132,21 @@ impl Plan {
             scale: contact.scale,
             receptance: ws.condensed.receptance[slot],
             own: 1.0 - ws.condensed.receptance[slot] * ws.condensed.lent[slot],
-            free,
-            length: contact.law.length().unwrap_or(free.norm()),
+            free: free.magnitude(),
+            length: contact.law.length().unwrap_or(free.magnitude()),
         })
     }
 
-    /// Puts root `a` of the scalar balance into the unknowns and forces of rung 0.
-    fn place_root(&self, balance: &ScalarBalance, a: f64, ws: &mut Workspace) {
+    /// Puts a root of the scalar balance into the unknowns and forces of rung 0.
+    fn place_root(&self, root: &Root, ws: &mut Workspace) {
         let (Some(slot), length, force) = (self.first_slot(), ws.point.length[0], ws.point.force[0]) else {
             return;
         };
-        let displacement = balance.displacement(a);
+        let displacement = root.displacement(ws.condensed.free[slot]);
         ws.unknowns.fill(c64::ZERO);
         ws.balance[0].forces.fill(c64::ZERO);
         ws.unknowns[slot] = displacement / length;
-        let first = balance.law.first_harmonic(a).force * balance.scale;
-        ws.balance[0].forces[slot] = first * (displacement / a) / force;
+        ws.balance[0].forces[slot] = root.force * (displacement / root.a) / force;
         if let (1, Some(mean)) = (slot, self.free_mean(ws)) {
             ws.unknowns[0] = mean;
         }
@@ -174,26 +174,28 @@ impl Plan {
         let mut roots = std::mem::take(&mut ws.roots);
         roots.clear();
         balance.roots(&mut roots);
-        roots.sort_by(|a, b| b.total_cmp(a));
-        let negative = roots.iter().copied().find(|a| balance.creates_energy(*a));
-        roots.retain(|a| !balance.creates_energy(*a));
+        roots.reverse();
+        let negative = roots.iter().copied().find(Root::creates_energy);
+        roots.retain(|root| !root.creates_energy());
         // Of a root so large that rounding hides the excitation nothing is known, unless there is no other.
-        let resolved = |a: &f64| balance.residual(*a) <= UNRESOLVED;
+        let resolved = |root: &Root| root.residual <= UNRESOLVED;
         if roots.iter().any(resolved) {
             roots.retain(resolved);
         }
         let (mut reported, largest) = (false, roots.first().copied());
-        for &a in roots.iter().take(if self.settings.all_solutions { usize::MAX } else { 1 }) {
-            self.place_root(&balance, a, ws);
-            let closed = Outcome { converged: true, ..Outcome::NONE };
-            self.complete(closed, solution.frequency, ws);
-            self.place_root(&balance, a, ws);
+        for root in roots.iter().take(if self.settings.all_solutions { usize::MAX } else { 1 }) {
+            self.place_root(root, ws);
+            if self.estimating() {
+                let closed = Outcome { converged: true, ..Outcome::NONE };
+                self.complete(closed, solution.frequency, ws);
+                self.place_root(root, ws);
+            }
             if reported {
                 let mut other = Solution::empty(solution.frequency, solution.harmonics);
-                self.report(Status::Converged, balance.residual(a), ws, &mut other);
+                self.report(Status::Converged, root.residual, ws, &mut other);
                 solution.others.push(other);
             } else {
-                self.report(Status::Converged, balance.residual(a), ws, solution);
+                self.report(Status::Converged, root.residual, ws, solution);
             }
             reported = true;
         }
@@ -210,11 +212,11 @@ impl Plan {
             if held && reported && self.settings.all_solutions {
                 solution.others.push(rest);
             }
-            if let Some(a) = largest {
+            if let Some(root) = largest {
                 // The workspace is left with what is reported.
                 ws.held.fill(false);
                 ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
-                self.place_root(&balance, a, ws);
+                self.place_root(&root, ws);
             }
             reported |= held;
         }
@@ -223,7 +225,7 @@ impl Plan {
             // Held by the first harmonic alone, but not together with a static load.
             false if can_hold => self.fail(Some(LawError::NoMotion), f64::INFINITY, ws, solution),
             false => {
-                let alpha = |a: f64| LawError::NegativeMagnitude { alpha: a / balance.length };
+                let alpha = |root: Root| LawError::NegativeMagnitude { alpha: root.a / balance.length };
                 self.fail(negative.map(alpha), f64::INFINITY, ws, solution);
             }
         }
@@ -275,12 +277,12 @@ impl Plan {
         let mut roots = std::mem::take(&mut ws.roots);
         roots.clear();
         balance.roots(&mut roots);
-        roots.sort_by(|a, b| b.total_cmp(a));
+        roots.reverse();
         ws.stats.starts = roots.len();
         let mut failed = Outcome::NONE;
         let mut found = false;
-        for &a in &roots {
-            self.place_root(balance, a, ws);
+        for root in &roots {
+            self.place_root(root, ws);
             // A ladder of one rung is climbed all the same: its balance is asked for, not the closed form.
             ws.goal = self.first_goal();
             let outcome = self.climb(usize::from(ws.goal > 0), ws);

@@ -34,7 +34,7 @@ impl Own {
     /// All points on one thread: as the solver does it unasked, or with forces at `samples` like the peers.
     pub(super) fn solve(scene: &Scene, harmonics: usize, samples: Option<usize>) -> Result<Self> {
         let settings = Settings { samples, slaving: samples.is_none(), ..Settings::new(harmonics) };
-        let plan = Plan::new(scene.scene.problem(), &settings)?;
+        let plan = Plan::new(scene.scene.problem()?, &settings)?;
         let mut workspace = plan.workspace();
         let mut solutions = vec![Solution::default(); scene.frequencies.len()];
         let seconds = stopwatch::seconds(|| {

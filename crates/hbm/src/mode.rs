@@ -1,0 +1,262 @@
+//! Damped nonlinear modes: natural frequency and damping ratio against amplitude.
+//!
+//! The extended periodic motion concept (Krack 2015, Computers & Structures 154): the structure moves freely, and a negative damping
+//! proportional to the mass makes its motion periodic,
+//!
+//! ```text
+//! M ẅ + (D − 2ζω M) ẇ + C w = − Σ contacts,   W_1 of the reference dof = A
+//! ```
+//!
+//! with the natural frequency ω and the ratio ζ of critical damping unknown and the amplitude A given. It holds for
+//! friction as for any other law. Near a resonance that is alone, the forced response is a motion of this mode:
+//! with φ = w_1/a, φᴴ M φ = 1, the modal amplitude a answers a force f like a linear oscillator,
+//!
+//! ```text
+//! |φᴴ f|² = a² ((ω² − Ω²)² + (2ζωΩ)²)
+//! ```
+//!
+//! so its largest amplitude is a where |φᴴ f| = 2ζω²√(1 − ζ²) a, at Ω = ω√(1 − 2ζ²).
+
+use std::f64::consts::TAU;
+
+use faer::c64;
+
+use crate::error::PlanError;
+use crate::free_motion::{FreeMotion, State};
+use crate::problem::{ExcitationKind, Problem};
+use crate::settings::Settings;
+use crate::solution::{Solution, Status};
+
+/// The linear structure from which a mode is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Origin {
+    /// All contacts stuck: the mode of small amplitudes.
+    #[default]
+    Stuck,
+    /// Without contacts: the mode of large amplitudes, where friction is a small part of the forces.
+    Free,
+}
+
+/// Which mode, and over which amplitudes.
+#[derive(Clone, Copy)]
+pub struct ModeOptions<'a> {
+    /// Counted from zero in the order of the frequencies of the structure that `origin` names.
+    pub mode: usize,
+    /// Where the mode is followed from.
+    pub origin: Origin,
+    /// The dof whose amplitude |W_1| is given.
+    pub reference: usize,
+    /// Smallest and largest amplitude in m; positive.
+    pub amplitudes: (f64, f64),
+    /// Points wanted, spread evenly over the logarithm of the amplitude; more where the mode changes fast.
+    pub points: usize,
+    /// Called with the amplitude of every new point; `false` stops.
+    pub progress: &'a dyn Fn(f64) -> bool,
+}
+
+/// A nonlinear mode at one amplitude.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModePoint {
+    /// |W_1| of the reference dof in m.
+    pub amplitude: f64,
+    /// Natural frequency in Hz.
+    pub frequency: f64,
+    /// Ratio of critical damping.
+    pub damping_ratio: f64,
+    /// a = √(w_1ᴴ M w_1) in m √kg.
+    pub modal_amplitude: f64,
+    /// Factor on the problem's excitation at which its response has its resonance at this amplitude; `None` where
+    /// nothing excites the mode, or where its damping is negative.
+    pub excitation: Option<f64>,
+    /// Frequency in Hz of that resonance, ω√(1 − 2ζ²)/2π.
+    pub resonance: Option<f64>,
+    /// The motion at the natural frequency, W_1 of the reference dof being real.
+    pub solution: Solution,
+}
+
+/// How a mode ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModeEnd {
+    /// All amplitudes have their point.
+    Reached,
+    /// No point was found to begin with.
+    NoStart,
+    /// The shortest step found no further point.
+    Lost,
+    /// Stopped from outside.
+    Stopped,
+}
+
+/// A nonlinear mode over its amplitude.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NonlinearMode {
+    /// By growing amplitude.
+    pub points: Vec<ModePoint>,
+    /// How it ended.
+    pub end: ModeEnd,
+}
+
+/// Shortest step in ln A.
+const SHORTEST: f64 = 1e-4;
+
+/// Amplitudes tried for a first point.
+const STARTS: usize = 13;
+
+/// The mode of `problem` over the amplitudes of `options`. Its excitation matters for [`ModePoint::excitation`] alone, but
+/// for a static preload, which acts.
+///
+/// # Errors
+/// As [`Plan::new`]; or the reference dof, the mode or the amplitudes make no sense.
+pub fn nonlinear_mode(
+    problem: &Problem,
+    settings: &Settings,
+    options: &ModeOptions,
+) -> Result<NonlinearMode, PlanError> {
+    let mut motion = FreeMotion::new(problem, settings, options)?;
+    let (low, high) = options.amplitudes;
+    let range = (high / low).ln();
+    let longest = range / (options.points.max(2) - 1) as f64;
+    let mut found: Vec<(f64, State)> = Vec::new();
+    // The first amplitude at which Newton's method finds the mode from the linear one: that end of the range, if it can be.
+    for i in 0..STARTS {
+        let part = i as f64 / (STARTS - 1) as f64;
+        let at = match options.origin {
+            Origin::Stuck => low.ln() + range * part,
+            Origin::Free => high.ln() - range * part,
+        };
+        if let Some(state) = motion.begin(at.exp()) {
+            found.push((at, state));
+            break;
+        }
+    }
+    let Some(first) = found.first().cloned() else {
+        return Ok(NonlinearMode { points: Vec::new(), end: ModeEnd::NoStart });
+    };
+    let mut end = ModeEnd::Reached;
+    for way in [high.ln(), low.ln()] {
+        let ended = follow(&mut motion, &first, way, longest, options.progress, &mut found);
+        end = if end == ModeEnd::Reached { ended } else { end };
+        if end == ModeEnd::Stopped {
+            break;
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let points = found.iter().map(|(at, state)| point(problem, &mut motion, at.exp(), state)).collect();
+    Ok(NonlinearMode { points, end })
+}
+
+/// Follows the mode from `first` to amplitude e^`to`.
+fn follow(
+    motion: &mut FreeMotion,
+    first: &(f64, State),
+    to: f64,
+    longest: f64,
+    progress: &dyn Fn(f64) -> bool,
+    found: &mut Vec<(f64, State)>,
+) -> ModeEnd {
+    let mut here = first.clone();
+    let mut before: Option<(f64, State)> = None;
+    let mut step = 0.25 * longest;
+    while here.0 != to {
+        if !progress(here.0.exp()) {
+            return ModeEnd::Stopped;
+        }
+        let apart = to - here.0;
+        let next = if apart.abs() <= 1.001 * step { to } else { here.0 + step * apart.signum() };
+        let guess = guess(&here, before.as_ref(), next);
+        match motion.solve(next.exp(), guess) {
+            Some((state, steps)) => {
+                found.push((next, state.clone()));
+                before = Some(std::mem::replace(&mut here, (next, state)));
+                step = (step * if steps <= 5 { 1.5 } else { 0.8 }).min(longest);
+            }
+            None => step *= 0.3,
+        }
+        if step < SHORTEST {
+            return ModeEnd::Lost;
+        }
+    }
+    ModeEnd::Reached
+}
+
+/// A state as a user sees it.
+fn point(problem: &Problem, motion: &mut FreeMotion, amplitude: f64, state: &State) -> ModePoint {
+    let residual = motion.evaluate(state).unwrap_or(state.residual);
+    let hertz = state.omega / TAU;
+    // Without what excites the marker, recovered dofs move by contact forces alone.
+    motion.ws.condensed.free_output.fill(c64::ZERO);
+    let mut solution = Solution::empty(hertz, motion.plan.settings.harmonics);
+    motion.plan.report(Status::Converged, residual, &mut motion.ws, &mut solution);
+    let slot = motion.plan.first_slot().unwrap_or(0);
+    let first: Vec<c64> =
+        solution.displacement.iter().map(|row| row.get(slot).copied().unwrap_or(c64::ZERO)).collect();
+    let mass = problem.model.mass();
+    let squared: f64 = (0..first.len())
+        .map(|i| {
+            let momentum: c64 = (0..first.len()).map(|j| first[j] * mass[(i, j)]).sum();
+            (first[i].conj() * momentum).re
+        })
+        .sum();
+    let modal = squared.sqrt();
+    let zeta = state.zeta;
+    let damped = zeta > 0.0 && zeta < std::f64::consts::FRAC_1_SQRT_2;
+    let resonance = damped.then(|| state.omega * (1.0 - 2.0 * zeta * zeta).sqrt());
+    let excitation = resonance.and_then(|resonance| {
+        let force = generalised_force(problem, resonance, &first).norm() / modal;
+        let needed = 2.0 * zeta * state.omega.powi(2) * (1.0 - zeta * zeta).sqrt() * modal;
+        (force > 0.0).then(|| needed / force)
+    });
+    solution.displacement =
+        problem.output.iter().filter_map(|&dof| solution.displacement.get(dof).cloned()).collect();
+    solution.contacts.truncate(problem.contacts.len());
+    ModePoint {
+        amplitude,
+        frequency: hertz,
+        damping_ratio: zeta,
+        modal_amplitude: modal,
+        excitation,
+        resonance: resonance.map(|omega| omega / TAU),
+        solution,
+    }
+}
+
+/// w_1ᴴ f of the problem's own excitation of the first harmonic at Ω = `omega`.
+fn generalised_force(problem: &Problem, omega: f64, first: &[c64]) -> c64 {
+    let excited = problem.excitation.iter().filter(|e| e.harmonic == 1);
+    excited
+        .map(|e| {
+            let amplitude = c64::from_polar(e.amplitude, e.phase);
+            let on = |dof: usize, size: c64| first.get(dof).map_or(c64::ZERO, |w| w.conj() * size);
+            match e.kind {
+                ExcitationKind::Force => on(e.dof, amplitude),
+                ExcitationKind::Unbalance => on(e.dof, amplitude * omega * omega),
+                ExcitationKind::Base => {
+                    let load = problem.model.base_loads().get(e.dof).into_iter().flatten();
+                    load.enumerate().map(|(dof, inertia)| on(dof, -amplitude * inertia)).sum()
+                }
+            }
+        })
+        .sum()
+}
+
+/// The state at `next` by the secant through the last two, or scaled from the last.
+fn guess(here: &(f64, State), before: Option<&(f64, State)>, next: f64) -> State {
+    let mut state = here.1.clone();
+    let grown = (next - here.0).exp();
+    let Some(before) = before else {
+        for u in &mut state.motion {
+            *u *= grown;
+        }
+        return state;
+    };
+    // Shapes w/A, ω and ζ go on as they went from the last amplitude to this one.
+    let ratio = (next - here.0) / (here.0 - before.0);
+    let (now, then) = (here.0.exp(), before.0.exp());
+    for (u, old) in state.motion.iter_mut().zip(&before.1.motion) {
+        let shape = *u / now;
+        *u = (shape + (shape - old / then) * ratio) * next.exp();
+    }
+    state.omega += (here.1.omega - before.1.omega) * ratio;
+    state.zeta += (here.1.zeta - before.1.zeta) * ratio;
+    state
+}
