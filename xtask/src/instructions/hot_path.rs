@@ -58,7 +58,7 @@ impl HotPath {
             Source::File(file) => Scene::from_file(&root.join(file))?,
             Source::Chain(masses) => chain(masses)?,
         };
-        let plan = Plan::new(scene.problem(), &Settings::new(self.harmonics))?;
+        let plan = Plan::new(scene.problem()?, &Settings::new(self.harmonics))?;
         let mut workspace = plan.workspace();
         let mut solution = Solution::default();
         for _ in 0..=passes {
