@@ -29,6 +29,9 @@ const ERRORS: &str = "run --release -p xtask -- error-vs-runtime --quick";
 /// Cases at the limits of every quantity.
 const EXTREME: &str = "run --release -p xtask -- extreme --quick";
 
+/// Instructions a point of the hot paths; says so and passes where valgrind is missing.
+const INSTRUCTIONS: &str = "run --release -p xtask -- instructions";
+
 /// Runs all checks in the workspace at `root`; the first that fails ends the run.
 pub(crate) fn run(root: &Path) -> Result<()> {
     let start = Instant::now();
@@ -47,6 +50,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     cargo(root, FIGURES, None, Stdio::inherit())?;
     cargo(root, ERRORS, None, Stdio::inherit())?;
     cargo(root, EXTREME, None, Stdio::inherit())?;
+    cargo(root, INSTRUCTIONS, None, Stdio::inherit())?;
     step(&format!("all checks passed in {:.0} s", start.elapsed().as_secs_f64()));
     Ok(())
 }

@@ -7,6 +7,7 @@ mod extreme;
 mod figures;
 mod fuzz;
 mod generate_model;
+mod instructions;
 mod iwan;
 mod library;
 mod loop_family;
@@ -43,6 +44,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
                            (release build; --quick a twentieth of them, --seed S others, --case ID one alone)
   fuzz [SECONDS]           coverage-guided fuzzing of scenes, records and studies; needs a nightly compiler and cargo-fuzz
   generate-model KIND      a finite-element model and a scene: blade, sector, ring or lumped (release build; --help)
+  instructions             instructions a point of the hot paths against committed counts, under valgrind (release build)
+  instructions --accept    commits to the counts of now: writes xtask/instructions.json
   iwan                     the tables of docs/src/iwan.md; writes docs/figures/iwan.csv
   loop-family              the tables of docs/src/loop-family.md; writes docs/figures/loop-family.csv
   loop-family FILE…        the same question to measured records at several amplitudes; prints a table
@@ -77,6 +80,9 @@ fn run() -> Result<()> {
         ["extreme", words @ ..] => extreme::run(&root(), words),
         ["fuzz", seconds @ ..] => fuzz::run(&root(), seconds),
         ["generate-model", words @ ..] => generate_model::run(words),
+        ["instructions"] => instructions::check(&root()),
+        ["instructions", "--accept"] => instructions::accept(&root()),
+        [instructions::HOT_PATH, name, passes] => instructions::run_hot_path(&root(), name, passes),
         ["iwan"] => iwan::write(&root()),
         ["iwan", "--check"] => iwan::check(&root()),
         ["loop-family", "--check"] => loop_family::check(&root()),

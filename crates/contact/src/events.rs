@@ -88,8 +88,8 @@ pub(crate) fn crossing(
         let inside = at + step > left && at + step < right;
         let next = if inside { at + step } else { 0.5 * (left + right) };
         let length = (next - at).abs();
-        let enough =
-            length <= 2.0 * f64::EPSILON * next.abs().max(1.0) || (inside && settled(length, before));
+        let enough = length <= 2.0 * f64::EPSILON * next.abs().max(1.0)
+            || (inside && !close && settled(length, before));
         (at, before) = (next, if inside { length } else { 0.0 });
         if enough {
             break;

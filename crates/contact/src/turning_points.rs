@@ -110,7 +110,7 @@ pub(crate) fn halley(value: f64, slope: f64, curvature: f64) -> f64 {
 /// of order one.
 #[inline]
 pub(crate) fn settled(step: f64, before: f64) -> bool {
-    step <= 2.0 * f64::EPSILON || (step < 1e-6 && step.powi(4) <= f64::EPSILON * before.powi(3))
+    step <= 2.0 * f64::EPSILON || (step < 1e-6 && step.powi(4) <= 1e-3 * f64::EPSILON * before.powi(3))
 }
 
 /// Zero of the velocity in [left, right], where it has the signs `rising` → not: Halley's method kept inside the bracket.
@@ -228,7 +228,11 @@ impl TurningPoints {
         let at = |j: usize| v.get(if j < samples { j } else { j - samples }).copied().unwrap_or(0.0);
         // A zero sample counts as a positive one, so that every change of sign lies in exactly one interval.
         for j in 0..count {
-            let (here, next) = (at(j), at(j + 1));
+            let around = j.checked_sub(1).and_then(|first| v.get(first..first + 4));
+            let [behind, here, next, ahead] = match around {
+                Some(&[behind, here, next, ahead]) => [behind, here, next, ahead],
+                _ => [at(if j == 0 { samples - 1 } else { j - 1 }), at(j), at(j + 1), at(j + 2)],
+            };
             let (left, right) = (j as f64 * step, (j + 1) as f64 * step);
             let rising = here >= 0.0;
             // Half a period on, an odd velocity has the other sign, also where both samples are zero to rounding.
@@ -241,7 +245,7 @@ impl TurningPoints {
             }
             // Same sign at both ends: |v| has a minimum inside only if it falls on entering and rises on leaving.
             let sign = if rising { 1.0 } else { -1.0 };
-            let (before, after) = (sign * at(if j == 0 { samples - 1 } else { j - 1 }), sign * at(j + 2));
+            let (before, after) = (sign * behind, sign * ahead);
             let (low, high) = (sign * here, sign * next);
             // A convex |v| cannot fall further inside than it fell over the interval before, nor rise by more than
             // it rises over the one after.

@@ -39,6 +39,9 @@ impl Homotopy {
 /// Change of one harmonic of a contact force by the real and by the imaginary part of one harmonic of the displacement.
 pub(crate) type Block = (c64, c64);
 
+/// A rung of a ladder has at most so many times the harmonics of the one below, and one more.
+const LADDER_STEP: usize = 2;
+
 /// Up to so many harmonics the product of two spectra is faster by its definition than by transforms.
 const DIRECT: usize = 24;
 
@@ -95,6 +98,8 @@ pub(crate) struct BalanceBuffers {
     fft: Buffers,
     /// F̂, entry `[slot][i]` over active contacts.
     pub(crate) forces: Vec<c64>,
+    /// What the structure feels of them, likewise.
+    felt: Vec<c64>,
     /// r, likewise.
     pub(crate) residual: Vec<c64>,
     /// K_q of one contact.
@@ -127,6 +132,7 @@ impl Balance<'_> {
             contacts: self.contacts.iter().map(contact).collect(),
             fft: self.transform.buffers(),
             forces: vec![c64::ZERO; entries],
+            felt: vec![c64::ZERO; entries],
             residual: vec![c64::ZERO; entries],
             local: vec![c64::ZERO; samples / 2 + 1],
             rate: Vec::new(),
@@ -149,19 +155,20 @@ impl Balance<'_> {
         for (row, &c) in point.active.iter().enumerate() {
             self.contact_force(point, slots, homotopy, (row, c), unknowns, buffers)?;
         }
+        for (entry, felt) in buffers.felt.iter_mut().enumerate().take(slots * width) {
+            *felt = point.felt(entry, homotopy.contact * buffers.forces[entry], unknowns[entry]);
+        }
         let mut sum = 0.0;
-        for entry in 0..slots * width {
-            let (slot, row) = (entry / width, entry % width);
-            let pull: c64 = (0..width)
-                .map(|l| {
-                    let source = slot * width + l;
-                    let force = homotopy.contact * buffers.forces[source];
-                    point.receptance[entry * width + l] * point.felt(source, force, unknowns[source])
-                })
-                .sum();
-            let r = unknowns[slot * width + row] + pull - homotopy.excitation * point.free[entry];
-            buffers.residual[entry] = r * point.weight[entry];
-            sum += buffers.residual[entry].norm_sqr();
+        for slot in 0..slots {
+            let entries = slot * width..(slot + 1) * width;
+            let (felt, pull) = (&buffers.felt[entries.clone()], &mut buffers.residual[entries.clone()]);
+            point.pull(slot, felt, pull);
+            for entry in entries {
+                let pull = buffers.residual[entry];
+                let r = unknowns[entry] + pull - homotopy.excitation * point.free[entry];
+                buffers.residual[entry] = r * point.weight[entry];
+                sum += buffers.residual[entry].norm_sqr();
+            }
         }
         if sum.is_finite() { Ok(sum.sqrt()) } else { Err(LawError::NotFinite) }
     }
@@ -247,7 +254,9 @@ impl Balance<'_> {
         } else {
             contact.marks = Some(law.force(&motion, &mut contact.law, &mut contact.force)?);
             let coefficients = self.transform.to_coefficients(&contact.force, &mut buffers.fft);
-            for (slot, &order) in self.orders.iter().enumerate().take(slots) {
+            // Beyond the motion's harmonics as well: what the next rung of a ladder begins with.
+            let known = self.orders.iter().enumerate().take(LADDER_STEP * slots + 1);
+            for (slot, &order) in known.take_while(|(_, order)| 2 * **order < self.transform.samples()) {
                 let one_sided = if order == 0 { 1.0 } else { 2.0 };
                 buffers.forces[slot * width + row] = coefficients[order] * (one_sided * unit);
             }

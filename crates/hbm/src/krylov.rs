@@ -12,7 +12,7 @@
 //! harmonic. It may be older than the derivative: that costs iterations, not accuracy.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par, c64};
+use faer::{Accum, Mat, Par, c64};
 
 use crate::balance::{BalanceBuffers, Block};
 use crate::dense::Lu;
@@ -53,7 +53,7 @@ pub(crate) struct Krylov {
     /// Motion and what the structure feels of it, entry `[slot][i]`.
     motion: Vec<c64>,
     felt: Vec<c64>,
-    pull: Mat<c64>,
+    pull: Vec<c64>,
 }
 
 impl Krylov {
@@ -75,7 +75,7 @@ impl Krylov {
             solution: Mat::new(),
             motion: Vec::new(),
             felt: Vec::new(),
-            pull: Mat::new(),
+            pull: Vec::new(),
         }
     }
 
@@ -89,14 +89,14 @@ impl Krylov {
     pub(crate) fn load(&mut self, task: &Task, buffers: &mut BalanceBuffers) {
         let (width, count) = (task.point.width(), task.core * task.point.width());
         task.balance.blocks(task.point, task.core, task.homotopy, buffers, &mut self.blocks);
-        if self.rhs.nrows() != 2 * count {
+        if (self.rhs.nrows(), self.pull.len()) != (2 * count, width) {
             self.basis = Mat::zeros(2 * count, BASIS + 1);
             self.hessenberg = Mat::zeros(BASIS + 1, BASIS);
             self.coefficients = Mat::zeros(BASIS, 1);
             self.column = Mat::zeros(BASIS + 1, 1);
             self.rhs = Mat::zeros(2 * count, 1);
             self.solution = Mat::zeros(2 * count, 1);
-            self.pull = Mat::zeros(width, 1);
+            self.pull.resize(width, c64::ZERO);
             self.motion.resize(count, c64::ZERO);
             self.felt.resize(count, c64::ZERO);
             self.projected.resize(BASIS + 1, 0.0);
@@ -311,12 +311,9 @@ impl Krylov {
         }
         for slot in 0..slots {
             let entries = slot * width..(slot + 1) * width;
-            let receptance = &point.receptance[entries.start * width..entries.end * width];
-            let receptance = MatRef::from_row_major_slice(receptance, width, width);
-            let felt = MatRef::from_column_major_slice(&self.felt[entries.clone()], width, 1);
-            matmul(self.pull.as_mut(), Accum::Replace, receptance, felt, c64::ONE, Par::Seq);
-            for (row, entry) in entries.enumerate() {
-                self.motion[entry] = (self.motion[entry] + self.pull[(row, 0)]) * point.weight[entry];
+            point.pull(slot, &self.felt[entries.clone()], &mut self.pull);
+            for (pull, entry) in self.pull.iter().zip(entries) {
+                self.motion[entry] = (self.motion[entry] + pull) * point.weight[entry];
             }
         }
     }

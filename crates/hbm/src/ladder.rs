@@ -7,6 +7,7 @@ use crate::balance::Homotopy;
 use crate::newton::{self, Criteria, Outcome, Task};
 use crate::plan::{Plan, Rung, Workspace};
 use crate::point::{Point, secant};
+use crate::settings::many;
 
 /// Up to this harmonic of the base frequency Newton's method costs no more than substitution.
 const LEAST_CORE: usize = 31;
@@ -149,6 +150,8 @@ impl Plan {
         let mut outcome = Outcome { converged: from > goal, residual: 0.0, ..Outcome::NONE };
         // So many harmonics are solved, and one more fails.
         let mut stuck = 0;
+        // The rung whose evaluation is that of the unknowns so far.
+        let mut below = None;
         for (index, rung) in self.rungs.iter().enumerate().take(goal + 1).skip(from) {
             // Between the harmonics that need Newton's method and all of them there is nothing to climb.
             if rung.slots > core && index < goal && reached >= core {
@@ -157,7 +160,10 @@ impl Plan {
             ws.stats.rungs += 1;
             let count = reached * width;
             ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
-            self.extend(index, reached, rung.slots, ws);
+            match below.take().filter(|_| self.samples_all()) {
+                Some(below) => self.extend_from(below, reached, rung.slots, ws),
+                None => self.extend(index, reached, rung.slots, ws),
+            }
             outcome = if index < goal {
                 self.iterate_roughly(index, rung.slots, ROUGHLY, self.settings.max_iterations, ws)
             } else {
@@ -165,6 +171,7 @@ impl Plan {
             };
             if outcome.converged {
                 reached = rung.slots;
+                below = Some(index);
                 continue;
             }
             ws.unknowns[..count].copy_from_slice(&ws.kept[..count]);
@@ -215,10 +222,32 @@ impl Plan {
             unknowns[entry] = -buffers.residual[entry];
         }
         // Contacts side by side overshoot together where the structure answers much; the Newton step knows them all.
-        let many = self.settings.krylov(balance.size(width, to), width) && point.contracting > from;
+        let many = many(balance.size(width, to), width) && point.contracting > from;
         let worse = |after: Result<f64, _>| after.map_or(true, |after| after > before);
         if many && worse(balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers)) {
             unknowns[range].fill(c64::ZERO);
+        }
+    }
+
+    /// Whether every contact force is sampled: then more of its harmonics are known than the motion has.
+    fn samples_all(&self) -> bool {
+        self.contacts.iter().all(|c| !self.exact || c.law.piecewise_linear().is_none())
+    }
+
+    /// As [`Plan::extend`], with the forces that rung `below` ended with.
+    fn extend_from(&self, below: usize, from: usize, to: usize, ws: &mut Workspace) {
+        let width = ws.point.width();
+        let known = self.rungs[below].transform.samples();
+        for entry in from * width..to * width {
+            let slot = entry / width;
+            if 2 * self.harmonics.reduced[slot] >= known || slot > 2 * from {
+                ws.unknowns[entry] = c64::ZERO;
+                continue;
+            }
+            let forces = &ws.balance[below].forces[slot * width..(slot + 1) * width];
+            let row = &ws.point.receptance[entry * width..(entry + 1) * width];
+            let pull: c64 = row.iter().zip(forces).map(|(g, force)| g * force).sum();
+            ws.unknowns[entry] = (ws.point.free[entry] - pull) * ws.point.weight[entry];
         }
     }
 
@@ -232,7 +261,10 @@ impl Plan {
         ws.unknowns.fill(c64::ZERO);
         ws.unknowns[..count].copy_from_slice(&ws.point.free[..count]);
         let first = self.first_slot().unwrap_or(0);
-        for round in 0..20 {
+        // A round of many contacts costs as much as a Newton step, and one of them that cycles would hold up all others.
+        let many = many(self.balance(0).size(width, slots), width);
+        let (rounds, enough) = if many { (6, 1e-2) } else { (20, 1e-3) };
+        for round in 0..rounds {
             ws.kept[..count].copy_from_slice(&ws.unknowns[..count]);
             self.solve_linearised(slots, first, ws);
             let mut change = 0.0_f64;
@@ -243,7 +275,7 @@ impl Plan {
                 change = change.max((next - ws.kept[entry]).norm() / (next.norm() + f64::MIN_POSITIVE));
                 ws.unknowns[entry] = next;
             }
-            if change < 1e-3 {
+            if change < enough {
                 break;
             }
         }

@@ -405,8 +405,8 @@ fn check_size<M>(problem: &Problem<M>, dofs: usize, settings: &Settings) -> Resu
     let unknowns = 2.0 * (harmonics + 1.0) * contacts;
     let outputs = problem.output.len() as f64;
     let derivative = if settings.krylov(unknowns as usize, problem.contacts.len()) {
-        // The preconditioner, and one block a contact.
-        16.0 * (harmonics + 1.0) * contacts * (contacts + 2.0 * (harmonics + 1.0))
+        // The preconditioner, one block a contact, and the basis.
+        16.0 * (harmonics + 1.0) * contacts * (contacts + 2.0 * (harmonics + 1.0)) + 512.0 * unknowns
     } else {
         8.0 * unknowns * unknowns
     };

@@ -12,7 +12,8 @@
 use std::ops::Range;
 
 use contact::Law;
-use faer::{Mat, c64};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
 
 use crate::condensation::Condensed;
 use crate::dense::{Entry, Lu};
@@ -49,6 +50,9 @@ pub(crate) struct Point {
 /// Substitution into a harmonic counts as contracting when it shrinks an error at least by this factor, whatever the
 /// motion.
 const CONTRACTION: f64 = 0.05;
+
+/// From so many contacts on products with Ĝ are worth vector instructions.
+const VECTORS: usize = 32;
 
 /// What is needed to keep some contacts at rest.
 #[derive(Debug)]
@@ -253,6 +257,21 @@ impl Point {
                     self.contracting = slot + 1;
                 }
             }
+        }
+    }
+
+    /// `Ĝ_k felt` of one slot.
+    pub(crate) fn pull(&self, slot: usize, felt: &[c64], into: &mut [c64]) {
+        let width = self.width();
+        let receptance = &self.receptance[slot * width * width..(slot + 1) * width * width];
+        if width >= VECTORS {
+            let receptance = MatRef::from_row_major_slice(receptance, width, width);
+            let felt = MatRef::from_column_major_slice(felt, width, 1);
+            let into = MatMut::from_column_major_slice_mut(into, width, 1);
+            return matmul(into, Accum::Replace, receptance, felt, c64::ONE, Par::Seq);
+        }
+        for (row, into) in receptance.chunks_exact(width.max(1)).zip(into) {
+            *into = row.iter().zip(felt).map(|(g, felt)| g * felt).sum();
         }
     }
 

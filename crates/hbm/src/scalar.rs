@@ -183,32 +183,27 @@ impl ScalarBalance<'_> {
         a
     }
 
-    /// The root at which the law is a spring, as it is up to the amplitude `end`; `None` where it is none there.
-    fn spring_root(&self, end: f64) -> Option<Root> {
-        let node = self.node(end);
-        (node.value > 0.0).then(|| {
-            let part = self.free / (node.value + self.free);
-            Root { a: end * part, z: node.z * part, force: node.force * part, residual: 0.0 }
-        })
-    }
-
     /// All solutions with a > 0, ascending, appended to `roots`.
     pub(crate) fn roots(&self, roots: &mut Vec<Root>) {
         let upper = self.upper_end();
         let mut lower = self.lower_end(upper);
         let landmark = self.law.landmark().filter(|l| *l > lower && *l < upper);
-        let linear = self.law.spring_up_to().filter(|end| *end > lower);
-        if let Some(end) = linear {
-            roots.extend(self.spring_root(end));
+        let mut left;
+        if let Some(end) = self.law.spring_up_to().filter(|end| *end > lower) {
+            left = self.node(end);
+            if left.value > 0.0 {
+                // Proportional to the amplitude: the root is known.
+                let part = self.free / (left.value + self.free);
+                let (z, force) = (left.z * part, left.force * part);
+                roots.push(Root { a: end * part, z, force, residual: 0.0 });
+            }
             if end >= upper {
                 return;
             }
             lower = end;
-        }
-        let starts_at_rest = linear.is_none() && self.law.at_rest() != Complex64::ZERO;
-        let mut left = self.node(if starts_at_rest { 0.0 } else { lower });
-        if linear.is_some() {
             left = self.beyond_landmark(left, roots);
+        } else {
+            left = self.node(if self.law.at_rest() == Complex64::ZERO { lower } else { 0.0 });
         }
         let mut a = if left.a == 0.0 { lower } else { lower * RATIO };
         loop {

@@ -89,9 +89,14 @@ impl Settings {
     pub(crate) fn krylov(&self, unknowns: usize, contacts: usize) -> bool {
         self.jacobian == Jacobian::Analytic
             && match self.linear_solver {
-                LinearSolver::Auto => unknowns >= KRYLOV_FROM && contacts >= KRYLOV_WIDTH,
+                LinearSolver::Auto => many(unknowns, contacts),
                 LinearSolver::Dense => false,
                 LinearSolver::Krylov => true,
             }
     }
+}
+
+/// Whether so many real unknowns of so many contacts are many: what they do to each other counts for more than what each does.
+pub(crate) fn many(unknowns: usize, contacts: usize) -> bool {
+    unknowns >= KRYLOV_FROM && contacts >= KRYLOV_WIDTH
 }

@@ -1,14 +1,15 @@
 //! Differences between answers, and errors against the truth.
 
 use anyhow::Result;
+use contact::ContactState;
 use hbm::{Plan, Settings, Solution};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use study::Truth;
-use study::work_precision::Patience;
 
 use super::answer::Answered;
 use super::request::Scene;
+use super::stopwatch;
 
 /// `W_0 … W_N` of every dof at one frequency; `None` where it is not solved.
 pub(super) type Spectra = Option<Vec<Vec<Complex64>>>;
@@ -23,23 +24,20 @@ pub(super) struct Spread {
 /// What stickslip finds.
 pub(super) struct Own {
     pub(super) points: Vec<Spectra>,
+    /// Whether the contact is not just a linear spring there.
+    pub(super) slips: Vec<bool>,
     /// A point.
     pub(super) seconds: f64,
 }
 
 impl Own {
     /// All points on one thread: as the solver does it unasked, or with forces at `samples` like the peers.
-    pub(super) fn solve(
-        scene: &Scene,
-        harmonics: usize,
-        samples: Option<usize>,
-        patience: &Patience,
-    ) -> Result<Self> {
+    pub(super) fn solve(scene: &Scene, harmonics: usize, samples: Option<usize>) -> Result<Self> {
         let settings = Settings { samples, slaving: samples.is_none(), ..Settings::new(harmonics) };
         let plan = Plan::new(scene.scene.problem()?, &settings)?;
         let mut workspace = plan.workspace();
         let mut solutions = vec![Solution::default(); scene.frequencies.len()];
-        let timed = patience.time(|| {
+        let seconds = stopwatch::seconds(|| {
             for (hertz, solution) in scene.frequencies.iter().zip(&mut solutions) {
                 plan.solve_into(*hertz, &mut workspace, solution);
             }
@@ -57,7 +55,11 @@ impl Own {
             solution.status.solved().then(|| solution.displacement.iter().map(dense).collect())
         };
         let points: Vec<Spectra> = solutions.iter().map(spectra).collect();
-        Ok(Self { seconds: timed.seconds / points.len().max(1) as f64, points })
+        // A spring that is not linear counts as sticking, but at every point.
+        let smooth = scene.is_smooth();
+        let sticks = |solution: &Solution| solution.contacts.iter().all(|c| c.state == ContactState::Stick);
+        let slips = solutions.iter().map(|solution| smooth || !sticks(solution)).collect();
+        Ok(Self { seconds: seconds / points.len().max(1) as f64, slips, points })
     }
 
     pub(super) fn unsolved(&self) -> usize {
@@ -65,10 +67,11 @@ impl Own {
     }
 }
 
-/// `‖a − b‖ / ‖b‖` over all dofs and harmonics, at the points that both solved.
-pub(super) fn difference(answer: &Answered, own: &[Spectra]) -> Option<Spread> {
-    let pairs = answer.points.iter().zip(own).filter(|(point, _)| point.solved);
-    spread(pairs.filter_map(|(point, own)| Some(distance(&point.spectra(), own.as_ref()?))).collect())
+/// `‖a − b‖ / ‖b‖` over all dofs and harmonics, at those points of `which` that both solved.
+pub(super) fn difference(answer: &Answered, own: &[Spectra], which: &[bool]) -> Option<Spread> {
+    let wanted =
+        answer.points.iter().zip(own).zip(which).filter(|((point, _), wanted)| **wanted && point.solved);
+    spread(wanted.filter_map(|((point, own), _)| Some(distance(&point.spectra(), own.as_ref()?))).collect())
 }
 
 fn distance(a: &[Vec<Complex64>], b: &[Vec<Complex64>]) -> f64 {
@@ -87,21 +90,24 @@ fn distance(a: &[Vec<Complex64>], b: &[Vec<Complex64>]) -> f64 {
 }
 
 /// Errors of an answer: the worst dof's relative l2 error of the displacement spectrum, where a truth is known.
-pub(super) fn errors(answer: &Answered, truths: &[Option<Truth>]) -> Option<Spread> {
+pub(super) fn errors(answer: &Answered, truths: &[Option<Truth>], which: &[bool]) -> Option<Spread> {
     let points: Vec<Spectra> = answer.points.iter().map(|p| p.solved.then(|| p.spectra())).collect();
-    errors_of(&points, truths)
+    errors_of(&points, truths, which)
 }
 
 /// The same for spectra.
-pub(super) fn errors_of(points: &[Spectra], truths: &[Option<Truth>]) -> Option<Spread> {
-    let error = |(spectra, truth): (&Spectra, &Option<Truth>)| {
+pub(super) fn errors_of(points: &[Spectra], truths: &[Option<Truth>], which: &[bool]) -> Option<Spread> {
+    let error = |((spectra, truth), wanted): ((&Spectra, &Option<Truth>), &bool)| {
+        if !wanted {
+            return None;
+        }
         let (spectra, truth) = (spectra.as_ref()?, truth.as_ref()?);
         let longest = spectra.iter().map(Vec::len).max().unwrap_or(0);
         let orders: Vec<usize> = (0..longest).collect();
         let rows: Vec<&[Complex64]> = spectra.iter().map(Vec::as_slice).collect();
         Some(truth.spectrum_error(&orders, &rows))
     };
-    spread(points.iter().zip(truths).filter_map(error).collect())
+    spread(points.iter().zip(truths).zip(which).filter_map(error).collect())
 }
 
 fn spread(mut values: Vec<f64>) -> Option<Spread> {
@@ -131,9 +137,11 @@ mod tests {
         let other = vec![vec![zero, 3.0 * ONE, zero, 5.0 * ONE], vec![zero, zero]];
         // √(25 + 16)/√(9 + 25).
         let own = [Some(same.clone()), Some(same), Some(other)];
-        let spread = difference(&answered(), &own).unwrap();
+        let spread = difference(&answered(), &own, &[true; 3]).unwrap();
         assert!((spread.worst - (41.0_f64 / 34.0).sqrt()).abs() < 1e-15, "{spread:?}");
-        assert_eq!(difference(&answered(), &[None, None, None]), None);
+        let first = difference(&answered(), &own, &[true, true, false]).unwrap();
+        assert_eq!((first.median, first.worst), (0.0, 0.0));
+        assert_eq!(difference(&answered(), &[None, None, None], &[true; 3]), None);
     }
 
     #[test]

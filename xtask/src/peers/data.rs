@@ -31,6 +31,8 @@ pub(super) struct Row {
     pub(super) harmonics: usize,
     pub(super) samples: usize,
     pub(super) points: usize,
+    /// Those of them at which the contact does something that is not linear; differences and errors are theirs.
+    pub(super) slipping: usize,
     pub(super) peer_unsolved: usize,
     pub(super) own_unsolved: usize,
     /// Peer against stickslip with as many samples.

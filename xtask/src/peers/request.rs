@@ -60,6 +60,11 @@ impl Scene {
         Self::of(self.json.clone(), frequencies)
     }
 
+    /// Whether its contact is a spring.
+    pub(super) fn is_smooth(&self) -> bool {
+        self.json["contacts"][0]["law"]["type"] == "cubic"
+    }
+
     pub(super) fn name(&self) -> &str {
         self.scene.name()
     }
