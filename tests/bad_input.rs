@@ -323,19 +323,131 @@ fn frequencies_harmonics_output_solver() {
 }
 
 #[test]
-fn what_is_not_supported_yet() {
+fn files_of_matrices_and_names() {
     refused(
         &with("/model/mass", json!({ "matrix_market": "M.mtx" })),
-        "model.mass.matrix_market: Matrix Market files are not supported yet",
+        "model.mass.matrix_market: M.mtx: cannot be read",
+    );
+    refused(&with("/model/damping", json!({ "npy": "D.npy" })), "model.damping.npy: D.npy: cannot be read");
+    refused(&with("/model/mass", json!({ "npz": "." })), "model.mass.npz: .: ");
+    refused(
+        &with("/model/mass", json!({ "matrix_market": "scene.json" })),
+        "model.mass.matrix_market: scene.json: line 1: ",
+    );
+    refused(&with("/model/mass", json!({ "npy": "scene.json" })), "does not begin with");
+    refused(&with("/model/mass", json!({ "npz": "scene.json" })), "no .npz archive");
+    refused(&with("/model/mass", json!({ "npz": "M.npz", "name": "M" })), "model.mass.name: unknown key");
+    refused(&with("/model/mass", json!({ "csv": "M.csv" })), "model.mass.csv: unknown key");
+    refused(&with("/model/dofs", json!({ "file": "names.txt" })), "model.dofs.file: cannot read names.txt");
+    refused(
+        &with("/model/dofs", json!({ "file": "." })),
+        "model.dofs.file: cannot read .: it is no file of names",
+    );
+    refused(&with("/model/dofs", json!("names.txt")), "model.dofs: must be names, one a dof: a list, or ");
+    refused(&with("/model/fixed", json!(["w3"])), "model.fixed[0]: there is no dof \"w3\" in model.dofs");
+    refused(&with("/model/fixed", json!(["x*"])), "model.fixed[0]: no dof in model.dofs fits \"x*\"");
+    refused(&with("/model/fixed", json!("*")), "model.fixed: holds every dof");
+    refused(&with("/model/fixed", json!(["w2"])), "excitation[0].dof: dof \"w2\" is held by model.fixed");
+    refused(&with("/model/fixed", json!(7)), "model.fixed: must be names of held dofs and patterns");
+    refused(&with("/model/reduction", json!("guyan")), "model.reduction: must be \"auto\", \"none\"");
+    refused(
+        &with("/model/reduction", json!({ "modes": -1 })),
+        "model.reduction.modes: must be a whole number",
     );
     refused(
-        &with("/model/damping", json!({ "matrix_market": "D.mtx" })),
-        "model.damping.matrix_market: Matrix Market",
+        &with("/model/reduction", json!({ "tolerance": 1 })),
+        "model.reduction.tolerance: is a relative error",
+    );
+    refused(&with("/model/reduction", json!({})), "model.reduction: write one of");
+    refused(
+        &with("/excitation/0/direction", json!("x")),
+        "excitation[0].direction: belongs to a base acceleration",
     );
     refused(
-        &with("/model/dofs", json!({ "file": "names.txt" })),
-        "model.dofs: names from a file are not supported yet",
+        &with("/excitation/0", json!({ "kind": "base", "amplitude": 1, "direction": "x" })),
+        "excitation[0].direction: no dof has a name that ends in \":x\"",
     );
+}
+
+/// The scene with its matrices in files is refused by `check` with these words.
+fn refused_with(change: impl Fn(&mut Value), files: &[(&str, &str)], words: &str) {
+    let folder = TempDir::new().unwrap();
+    let mut scene = good();
+    scene["model"]["mass"] = json!({ "matrix_market": "M.mtx" });
+    scene["model"]["stiffness"] = json!({ "matrix_market": "K.mtx" });
+    change(&mut scene);
+    let real = "%%MatrixMarket matrix coordinate real symmetric\n";
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("scene.json", &scene.to_string());
+    write("M.mtx", &format!("{real}2 2 2\n1 1 4\n2 2 1.27\n"));
+    write("K.mtx", &format!("{real}2 2 3\n1 1 8.2e5\n2 1 -4.1e5\n2 2 4.1e5\n"));
+    for (name, text) in files {
+        write(name, &text.replace("REAL\n", real));
+    }
+    let (code, _, stderr) = run(folder.path(), &["check", "scene.json"]);
+    if words.is_empty() {
+        assert_eq!((code, stderr.as_str()), (0, ""));
+        return;
+    }
+    assert_eq!(code, 2, "{words}: {stderr}");
+    assert!(
+        stderr.starts_with("error: scene.json: ") && stderr.contains(words),
+        "expected: {words}\ngot: {stderr}"
+    );
+}
+
+#[test]
+fn what_is_wrong_in_a_file_is_told_with_its_line_or_entry() {
+    let same = |_: &mut Value| ();
+    refused_with(same, &[], "");
+    refused_with(
+        same,
+        &[("M.mtx", "REAL\n2 2 2\n1 1 4\n2 2 x\n")],
+        "model.mass.matrix_market: M.mtx: line 4: \"x\" is no number",
+    );
+    refused_with(same, &[("M.mtx", "REAL\n3 3 1\n1 1 4\n")], "M.mtx is 3 x 3, but model.dofs has 2 names");
+    refused_with(
+        |scene| drop(scene["model"].as_object_mut().unwrap().remove("dofs")),
+        &[("K.mtx", "REAL\n3 3 1\n1 1 4\n")],
+        "K.mtx is 3 x 3, but model.dofs has 2 names",
+    );
+    refused_with(same, &[("M.mtx", "REAL\n2 2 0\n")], "model.mass: is zero");
+    refused_with(
+        same,
+        &[("M.mtx", "REAL\n2 2 2\n1 1 4\n2 2 -1\n")],
+        "model.mass: must be positive semidefinite, but row 2",
+    );
+    refused_with(
+        same,
+        &[("M.mtx", "REAL\n2 2 3\n1 1 1\n2 1 2\n2 2 1\n")],
+        "model.mass: must be positive semidefinite, but has",
+    );
+    refused_with(
+        same,
+        &[("K.mtx", "%%MatrixMarket matrix array real general\n2 2\n1\n2\n3\n4\n")],
+        "model.stiffness: must be symmetric, but row 2, column 1 is 2",
+    );
+    refused_with(
+        same,
+        &[("K.mtx", "REAL\n2 2 999999999999\n1 1 1\n")],
+        "model.stiffness.matrix_market: K.mtx: line 2: promises 999999999999 entries",
+    );
+    let names = |scene: &mut Value| scene["model"]["dofs"] = json!({ "file": "names.txt" });
+    refused_with(names, &[("names.txt", "w1\nw2\n")], "");
+    refused_with(
+        names,
+        &[("names.txt", "# node, direction\n1 x\n1 x\n")],
+        "model.dofs.file: line 3: there is a dof \"1:x\" already",
+    );
+    refused_with(
+        names,
+        &[("names.txt", "1 x 3\n")],
+        "model.dofs.file: names.txt, line 1: must be a name, or node and direction",
+    );
+    refused_with(names, &[("names.txt", "\n")], "model.dofs.file: names.txt has no names in it");
+    refused_with(names, &[("names.txt", "w1\n")], "M.mtx is 2 x 2, but model.dofs has 1 names");
+    let fixed = |scene: &mut Value| scene["model"]["fixed"] = json!({ "file": "fixed.txt" });
+    refused_with(fixed, &[("fixed.txt", "w3\n")], "model.fixed.file: line 1: there is no dof \"w3\"");
 }
 
 /// Arguments are refused with these words, and nothing is written.

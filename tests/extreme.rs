@@ -5,7 +5,10 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use contact::{Cubic, CubicParameters, Law, Linear, LinearParameters, MagnitudeLaw, PhaseLaw, ScaledLoop};
+use contact::{
+    Coulomb, CoulombParameters, Cubic, CubicParameters, Law, Linear, LinearParameters, MagnitudeLaw,
+    PhaseLaw, ScaledLoop,
+};
 use faer::mat;
 use hbm::{Excitation, ExcitationKind, FailureReason, Plan, Problem, Settings, Solution, Status};
 use num_complex::Complex64;
@@ -47,6 +50,27 @@ fn sticking_contacts_of_any_stiffness_are_springs() {
                 assert!(error < 1e-9, "{stiffness:e} {harmonics} {omega}: {error:e}");
             }
         }
+    }
+}
+
+/// Friction that is as good as rigid takes F_s times the way: with the damper, that is the work of the excitation. At a fifth of the
+/// resonance the motion nearly stops twice a period, with short ways back.
+#[test]
+fn stiff_contacts_nearly_stopping_at_31_harmonics() {
+    let (damping, slip, omega) = (0.029762068361818647, 0.2096121361537976, 0.21032851950026887);
+    for decade in 8..=13 {
+        let problem = oscillator(damping, 1.0, elastic_coulomb(10.0_f64.powi(decade), slip));
+        let solution = solve(&problem, 31, omega);
+        assert_eq!(solution.status, Status::Converged, "{decade}");
+        let harmonics: Vec<(f64, Complex64)> =
+            (1..).step_by(2).map(f64::from).zip(solution.displacement[0].iter().copied()).collect();
+        let at = |tau: f64| harmonics.iter().map(|(k, w)| (w * Complex64::cis(k * tau)).re).sum::<f64>();
+        let samples: Vec<f64> = (0..=100_000).map(|j| at(TAU * f64::from(j) / 1e5)).collect();
+        let way: f64 = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+        let damped: f64 = harmonics.iter().map(|(k, w)| PI * damping * omega * k * k * w.norm_sqr()).sum();
+        let work = -PI * harmonics[0].1.im;
+        let error = (slip * way + damped) / work - 1.0;
+        assert!(error.abs() < 1e-7, "{decade}: {error:e}");
     }
 }
 
@@ -169,6 +193,20 @@ fn undamped_resonances() {
     let spring = Arc::new(Linear::new(LinearParameters { stiffness: 1e-6 }).unwrap());
     let solution = solve(&oscillator(0.0, 1.0, spring), 1, 1.0);
     assert!((first(&solution).norm() * 1e-6 - 1.0).abs() < 1e-9);
+}
+
+/// At an undamped resonance steep friction cancels the excitation f = p F_s at every instant, tanh(ẇ/v) = p cos τ: the velocity
+/// has the first harmonic v (p + p³/4 + …). Any larger motion is far beyond the flank of the tanh.
+#[test]
+fn steep_friction_at_an_undamped_resonance() {
+    for decade in [-3, -5, -7, -9] {
+        let (p, velocity) = (0.01, 10.0_f64.powi(decade));
+        let law = Arc::new(Coulomb::new(CoulombParameters { slip_force: 1.0, velocity }).unwrap());
+        let solution = solve(&oscillator(0.0, p, law), 3, 1.0);
+        assert_eq!(solution.status, Status::Converged, "{decade}");
+        let error = first(&solution).norm() / (velocity * (p + p * p * p / 4.0)) - 1.0;
+        assert!(error.abs() < p.powi(4), "{decade}: {error:e}");
+    }
 }
 
 /// ¾ k₃ a³ = f at an undamped resonance.

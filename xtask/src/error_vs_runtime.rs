@@ -120,7 +120,7 @@ fn measure_scene(
     patience: Patience,
 ) -> Result<Vec<Measurement>> {
     let mut measured = Vec::new();
-    for series in grid::series(scene, exact) {
+    for series in grid::series(scene, exact)? {
         for method in series {
             let measurement = measure(scene, truths, method, &patience)?;
             let too_long = measurement.seconds * truths.len() as f64 > grid::LONGEST;

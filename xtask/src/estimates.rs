@@ -48,12 +48,12 @@ pub(crate) fn judge_library(root: &Path, names: &[&str]) -> Result<Vec<JudgedPoi
 /// Every frequency of `scene` at every N that carries its excitation.
 fn judge(scene: &Scene) -> Result<Vec<JudgedPoint>> {
     let truths = truths::of_scene(scene, HARMONICS[HARMONICS.len() - 1], 0)?;
-    let lowest = scene.problem().excitation.iter().map(|e| e.harmonic).max().unwrap_or(1);
+    let lowest = scene.problem()?.excitation.iter().map(|e| e.harmonic).max().unwrap_or(1);
     let mut points = Vec::new();
     for harmonics in HARMONICS.into_iter().filter(|n| *n >= lowest) {
         let mut settings = Settings::new(harmonics);
         settings.estimate = true;
-        let plan = Plan::new(scene.problem(), &settings)?;
+        let plan = Plan::new(scene.problem()?, &settings)?;
         let judged: Vec<_> = truths
             .par_iter()
             .flatten()

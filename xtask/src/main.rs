@@ -15,6 +15,7 @@ mod markdown;
 mod non_negative;
 mod page;
 mod paper;
+mod peers;
 mod reconstruct;
 mod record_family;
 mod reference_loop;
@@ -48,6 +49,9 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   loop-series FOLDER       writes synthetic records at eight amplitudes that follow the paper's scaling laws
   scaling                  how the cost grows with dofs, contacts, harmonics, points: docs/src/growth.md (release build)
   scaling --draw           figure and page once more from the measured data
+  peers                    the same scenes with pyHarm, mousai and SciPy: agreement, error, time; writes docs/src/peers.md
+                           (release build; needs Python 3.11 and a package index)
+  peers --draw             the page once more from the measured data
   reference-loop           writes scenes/loops/reference.csv
   … --check                fails unless what one of reference-loop, iwan and loop-family writes and prints is in the repository";
 
@@ -79,6 +83,8 @@ fn run() -> Result<()> {
         ["loop-family"] => loop_family::write(&root()),
         ["loop-family", files @ ..] => record_family::print(files),
         ["loop-series", folder] => loop_series::write(Path::new(folder)),
+        ["peers"] => peers::run(&root()),
+        ["peers", "--draw"] => peers::draw(&root()),
         ["figures"] => figures::write(&root()),
         ["figures", "--check"] => figures::check(&root()),
         ["reconstruct"] => reconstruct::write(&root()),

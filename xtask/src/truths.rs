@@ -26,7 +26,7 @@ pub(crate) fn of_scene(scene: &Scene, largest: usize, highest: usize) -> Result<
             Reference::Orbit => ORBIT,
             // What half as many harmonics are off by is more than what these are off by.
             Reference::Harmonics(n) => {
-                let plan = Plan::new(scene.problem(), &Settings::new(n / 2))?;
+                let plan = Plan::new(scene.problem()?, &Settings::new(n / 2))?;
                 let solution = plan.solve(*hertz, &mut plan.workspace());
                 truth.errors(plan.orders(), &solution).map_or(f64::INFINITY, |errors| errors.spectrum)
             }

@@ -12,6 +12,7 @@ use scene::{Frequencies, Harmonics, Scene};
 pub use studies::{ContinueArguments, OrbitArguments, Quantity, StudyArguments, TruncationArguments};
 
 use crate::ending::Failure;
+use crate::progress::Waiting;
 
 const OVERVIEW: &str = "\
 Examples:
@@ -119,6 +120,7 @@ const FREQUENCIES: &str = "FROM:TO:POINTS[:log]|HZ,HZ,…";
 
 /// Reads a scene's file.
 pub fn read_scene(path: &Path) -> Result<Scene, Failure> {
+    let _waiting = Waiting::new(format!("reading {}", path.display()));
     Scene::from_file(path).map_err(|error| match error {
         unreadable @ scene::SceneError::Unreadable { .. } => Failure::input(unreadable),
         error => in_file(path, error),

@@ -11,7 +11,7 @@ use crate::check::count;
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
 use crate::output::{self, Output};
-use crate::progress::interrupt;
+use crate::progress::{Waiting, interrupt};
 use crate::summary::duration;
 
 /// Follows the curve and writes what was asked for.
@@ -30,9 +30,10 @@ pub fn run(arguments: &ContinueArguments) -> Result<Ending, Failure> {
     let answer = Output::open(arguments.output.as_deref())?;
     let progress = |_: f64| !interrupted.load(Ordering::Relaxed);
     let options = ContinuationOptions { progress: &progress, ..ContinuationOptions::default() };
-    let curve = scene
-        .curve(along, range, variants.as_ref(), &options)
-        .map_err(|error| arguments.scene.unsolvable(error))?;
+    let waiting = Waiting::new("following the curve");
+    let curve = scene.curve(along, range, variants.as_ref(), &options);
+    drop(waiting);
+    let curve = curve.map_err(|error| arguments.scene.unsolvable(error))?;
 
     answer.write(|out| match format {
         TableFormat::Text => out.write_all(text(&curve).as_bytes()),

@@ -6,6 +6,7 @@ use serde::Serialize;
 use crate::arguments::{ExplainArguments, TextFormat};
 use crate::ending::{Ending, Failure};
 use crate::output;
+use crate::progress::prepared;
 
 #[derive(Serialize)]
 struct Explanation {
@@ -15,7 +16,7 @@ struct Explanation {
 /// Plans the scene and lists the steps.
 pub fn run(arguments: &ExplainArguments) -> Result<Ending, Failure> {
     let scene = arguments.scene.read()?;
-    let prepared = scene.prepare().map_err(|error| arguments.scene.unsolvable(error))?;
+    let prepared = prepared(&scene).map_err(|error| arguments.scene.unsolvable(error))?;
     let explanation = Explanation { steps: prepared.explain() };
     match arguments.format {
         TextFormat::Text => output::print(&text(scene.name(), &explanation.steps)),

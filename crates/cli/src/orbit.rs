@@ -5,7 +5,7 @@ use std::io;
 
 use num_complex::Complex64;
 use orbit::{EventKind, Orbit, OrbitError};
-use scene::{Named, Scene, Spectrum};
+use scene::{Frequencies, Harmonics, Named, Scene, Spectrum};
 use serde::Serialize;
 use study::Truths;
 
@@ -14,6 +14,7 @@ use crate::check::count;
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
 use crate::output::{self, Output};
+use crate::progress::posed;
 
 /// Looks for the orbit and writes what was asked for.
 pub fn run(arguments: &OrbitArguments) -> Result<Ending, Failure> {
@@ -21,6 +22,18 @@ pub fn run(arguments: &OrbitArguments) -> Result<Ending, Failure> {
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
     output::distinct(&arguments.scene, &[&arguments.output, &arguments.waveform, &arguments.plot])?;
     let scene = read_scene(&arguments.scene)?;
+    let scene = match Frequencies::one(arguments.frequency) {
+        // A structure that is reduced is so for the frequency that is asked for, and for many harmonics.
+        Ok(one) => scene.with_frequencies(one),
+        Err(_) => scene,
+    };
+    let scene = match scene.harmonics() {
+        Harmonics::All(n) if n < START => {
+            scene.with_harmonics(START).map_err(|error| in_file(&arguments.scene, error))?
+        }
+        _ => scene,
+    };
+    let problem = posed(&scene).map_err(|error| in_file(&arguments.scene, error))?;
     let truths = Truths::new(&scene, START).map_err(|error| in_file(&arguments.scene, error))?;
     let answer = Output::open(arguments.output.as_deref())?;
     let period = arguments.waveform.as_deref().map(|path| Output::open(Some(path))).transpose()?;
@@ -33,7 +46,8 @@ pub fn run(arguments: &OrbitArguments) -> Result<Ending, Failure> {
             return Ok(Ending::SomeFailed);
         }
     };
-    let motion = Motion { scene: &scene, orbit: &orbit, frequency: arguments.frequency };
+    let motion =
+        Motion { scene: &scene, outputs: &problem.output, orbit: &orbit, frequency: arguments.frequency };
     answer.write(|out| match format {
         TextFormat::Text => out.write_all(motion.text().as_bytes()),
         TextFormat::Json => scene::write_json(out, &motion.answer(usize::from(arguments.harmonics))),
@@ -79,6 +93,8 @@ const LISTED: usize = 24;
 /// An orbit and the names that belong to its dofs and contacts.
 pub struct Motion<'a> {
     pub scene: &'a Scene,
+    /// Numbers of its output dofs in the orbit.
+    pub outputs: &'a [usize],
     pub orbit: &'a Orbit,
     pub frequency: f64,
 }
@@ -117,7 +133,7 @@ struct Event<'a> {
 impl Motion<'_> {
     /// Names and numbers of the output dofs.
     pub fn dofs(&self) -> impl Iterator<Item = (&str, usize)> {
-        self.scene.output().into_iter().zip(self.scene.problem().output.iter().copied())
+        self.scene.output().into_iter().zip(self.outputs.iter().copied())
     }
 
     /// Half the peak-to-peak displacement in m.

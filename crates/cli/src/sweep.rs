@@ -9,7 +9,7 @@ use crate::arguments::{Format, SweepArguments};
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
 use crate::output::{self, Output};
-use crate::progress::{Progress, interrupt};
+use crate::progress::{Progress, interrupt, prepared};
 use crate::{summary, waveform};
 
 /// Where the result goes, and in which form.
@@ -36,7 +36,7 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     if arguments.all_solutions {
         scene = scene.with_all_solutions();
     }
-    let prepared = scene.prepare().map_err(|error| arguments.scene.unsolvable(error))?;
+    let prepared = prepared(&scene).map_err(|error| arguments.scene.unsolvable(error))?;
 
     let interrupted = interrupt();
     // Outputs are opened before the work: what cannot be written is known at once.

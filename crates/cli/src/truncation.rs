@@ -11,7 +11,7 @@ use crate::arguments::{TableFormat, TruncationArguments, in_file, read_scene};
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
 use crate::output::{self, Output};
-use crate::progress::{Progress, interrupt};
+use crate::progress::{Progress, interrupt, posed};
 use crate::summary::duration;
 
 /// Frequencies up to which every row is printed; of more the worst a number of harmonics.
@@ -33,6 +33,12 @@ pub fn run(arguments: &TruncationArguments) -> Result<Ending, Failure> {
     let interrupted = interrupt();
     let answer = Output::open(arguments.output.as_deref())?;
 
+    // What a large structure needs is made here, where it can be watched, and found again below.
+    if let Some(largest) = arguments.harmonics.iter().max() {
+        let ready = scene.clone().with_harmonics(Harmonics::All(*largest));
+        let ready = ready.map_err(|error| in_file(&arguments.scene, error))?;
+        posed(&ready).map_err(|error| in_file(&arguments.scene, error))?;
+    }
     let progress = Progress::of(scene.frequencies().as_slice().len(), "frequencies");
     let finished = |count| progress.finished(count);
     let options = TruncationOptions {

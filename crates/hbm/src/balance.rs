@@ -39,6 +39,9 @@ impl Homotopy {
 /// A rung of a ladder has at most so many times the harmonics of the one below, and one more.
 const LADDER_STEP: usize = 2;
 
+/// Change of one harmonic of a contact force by the real and by the imaginary part of one harmonic of the displacement.
+pub(crate) type Block = (c64, c64);
+
 /// Up to so many harmonics the product of two spectra is faster by its definition than by transforms.
 const DIRECT: usize = 24;
 
@@ -354,6 +357,30 @@ impl Balance<'_> {
         }
     }
 
+    /// The derivative of the contact forces alone, dimensionless and times μ, entry `[i][p][j]`.
+    pub(crate) fn blocks(
+        &self,
+        point: &Point,
+        slots: usize,
+        homotopy: Homotopy,
+        buffers: &mut BalanceBuffers,
+        blocks: &mut Vec<Block>,
+    ) {
+        blocks.clear();
+        for (row, &c) in point.active.iter().enumerate() {
+            self.transform_tangent(slots, c, buffers);
+            let unit = self.contacts[c].scale * point.length[row] * homotopy.stretch / point.force[row];
+            for (p, j) in (0..slots).flat_map(|p| (0..slots).map(move |j| (p, j))) {
+                let mut block = self.block(buffers, slots, p, j);
+                if homotopy.secant > 0.0 {
+                    block = self.toward_secant(point, homotopy.secant, row, (p, j), unit, block);
+                }
+                let unit = homotopy.contact * unit;
+                blocks.push((block.0 * unit, block.1 * unit));
+            }
+        }
+    }
+
     /// The derivative of −Ĝ Ŝ û.
     fn take_back(&self, point: &Point, slot: usize, row: usize, matrix: &mut Mat<f64>) {
         let width = point.width();
@@ -429,7 +456,7 @@ impl Balance<'_> {
 
     /// δF_p by a change of Re W_j and of Im W_j, in N/m.
     #[inline]
-    fn block(&self, buffers: &BalanceBuffers, slots: usize, p: usize, j: usize) -> (c64, c64) {
+    fn block(&self, buffers: &BalanceBuffers, slots: usize, p: usize, j: usize) -> Block {
         let (order_p, order_j) = (self.orders[p], self.orders[j]);
         let epsilon = if order_p == 0 { 0.5 } else { 1.0 };
         let (mut by_re, mut by_im) = convolved(&buffers.local, order_p, order_j, epsilon);

@@ -25,6 +25,8 @@ use faer::{Mat, c64};
 
 use crate::harmonics::Harmonics;
 use crate::matrices::{Additions, Factor, Matrices};
+use crate::modal::{Modal, ModalBuffers};
+use crate::plan::Receptances;
 use crate::problem::{Contact, ExcitationKind, Problem};
 
 /// Pivots of the balanced dynamic stiffness below this fraction of the largest count as zero.
@@ -39,21 +41,26 @@ const NEARLY_SINGULAR: f64 = 1e-11;
 /// Below this fraction springs are lent: the receptance would lose digits that the balance has.
 const ILL_CONDITIONED: f64 = 1e-3;
 
+/// Contacts so much stiffer than the structure at them need springs lent.
+const MUCH_STIFFER: f64 = 1e5;
+
 /// A fraction below which everything lies.
 const ALWAYS: f64 = f64::INFINITY;
 
 /// One entry of a harmonic's excitation vector: `amplitude · Ω^power` on `dof`.
 #[derive(Debug, Clone, Copy)]
-struct Load {
-    dof: usize,
-    amplitude: c64,
-    grows: bool,
+pub(crate) struct Load {
+    pub(crate) dof: usize,
+    pub(crate) amplitude: c64,
+    pub(crate) grows: bool,
 }
 
 /// The parts of a problem that do not change with frequency.
 #[derive(Debug)]
 pub(crate) struct Structure {
     matrices: Matrices,
+    /// Modes that make a factorisation unnecessary at most frequencies.
+    modal: Option<Modal>,
     contacts: Vec<(usize, Option<usize>)>,
     /// In N/m; infinite where a law has no stiffness of its own.
     contact_stiffness: Vec<f64>,
@@ -90,6 +97,7 @@ pub(crate) struct Condensed {
     /// Whether the structure alone is singular, entry `[slot]`.
     pub(crate) singular: Vec<bool>,
     factor: Factor,
+    modal: ModalBuffers,
     /// Right-hand sides of one block.
     rhs: Mat<c64>,
     scale: Vec<f64>,
@@ -186,14 +194,25 @@ impl Structure {
                 }
             }
         }
+        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
         Self {
-            contacts: problem.contacts.iter().map(|c| (c.first, c.second)).collect(),
+            modal: matrices.modal(&contacts, &problem.output, &loads),
+            contacts,
             contact_stiffness: problem.contacts.iter().map(own_stiffness).collect(),
             outputs: problem.output.clone(),
             paths: paths_to_ground(problem, matrices.dofs()),
             matrices,
             orders: harmonics.orders.clone(),
             loads,
+        }
+    }
+
+    /// How receptances are found.
+    pub(crate) fn receptances(&self) -> Receptances {
+        match self.matrices {
+            Matrices::Sparse(_) => Receptances::Sparse,
+            Matrices::Dense { .. } if self.modal.is_some() => Receptances::Modes,
+            Matrices::Dense { .. } => Receptances::Dense,
         }
     }
 
@@ -225,6 +244,7 @@ impl Structure {
             self_excitation: 0.0,
             singular: vec![false; slots],
             factor: self.matrices.factor(block),
+            modal: ModalBuffers::new(),
             rhs: Mat::zeros(n, block),
             scale: vec![1.0; n],
         }
@@ -283,6 +303,10 @@ impl Structure {
         for (slot, &order) in self.orders.iter().enumerate().take(slots.end).skip(slots.start) {
             let contacts = slot * into.contacts..(slot + 1) * into.contacts;
             into.lent[contacts.clone()].fill(c64::ZERO);
+            if lending < ALWAYS && self.respond_by_modes(slot, base, into) {
+                into.singular[slot] = false;
+                continue;
+            }
             self.factor(order as f64 * base, slot, into);
             into.singular[slot] = !into.factor.is_regular(NEARLY_SINGULAR);
             if !into.factor.is_regular(lending) {
@@ -363,6 +387,47 @@ impl Structure {
                 slope[slot * contacts + i] = at(first) - second.map_or(c64::ZERO, at);
             }
         }
+    }
+
+    /// Responses of harmonic `slot` from the modes; whether they are good enough.
+    fn respond_by_modes(&self, slot: usize, base: f64, into: &mut Condensed) -> bool {
+        let Some(modal) =
+            self.modal.as_ref().filter(|_| (into.added_damping, into.self_excitation) == (0.0, 0.0))
+        else {
+            return false;
+        };
+        let (contacts, outputs) = (into.contacts, into.outputs);
+        let Condensed { modal: buffers, receptance, recovery, free, free_output, .. } = into;
+        if !modal.respond(self.orders[slot] as f64 * base, buffers) {
+            return false;
+        }
+        let [re, im] = &buffers.receptance;
+        // A contact much stiffer than the structure is felt in digits that a receptance without springs does not have.
+        let stiff = |i: usize| {
+            let stiffness =
+                if self.contact_stiffness[i].is_finite() { self.contact_stiffness[i] } else { 0.0 };
+            re[(i, i)].hypot(im[(i, i)]) * stiffness > MUCH_STIFFER
+        };
+        if (0..contacts).any(stiff) {
+            return false;
+        }
+        for i in 0..contacts {
+            let row = &mut receptance[(slot * contacts + i) * contacts..][..contacts];
+            for (l, entry) in row.iter_mut().enumerate() {
+                let (high, low) = (i.max(l), i.min(l));
+                *entry = c64::new(re[(high, low)], im[(high, low)]);
+            }
+        }
+        let [re, im] = &buffers.recovery;
+        for o in 0..outputs {
+            let row = &mut recovery[(slot * outputs + o) * contacts..][..contacts];
+            for (l, entry) in row.iter_mut().enumerate() {
+                *entry = c64::new(re[(o, l)], im[(o, l)]);
+            }
+        }
+        let free = &mut free[slot * contacts..(slot + 1) * contacts];
+        modal.free(slot, base, buffers, free, &mut free_output[slot * outputs..(slot + 1) * outputs]);
+        true
     }
 
     /// Responses of harmonic `slot` to a unit force at every contact and to the excitation.

@@ -182,13 +182,13 @@ mod tiny {
             }
             let inverse = a[k][k].inverse();
             for entry in &mut a[k][k + 1..] {
-                *entry = *entry * inverse;
+                *entry *= inverse;
             }
             let (done, rest) = a.split_at_mut(k + 1);
             for column in rest {
                 let top = column[k];
                 for (entry, factor) in column[k + 1..].iter_mut().zip(&done[k][k + 1..]) {
-                    *entry = *entry - *factor * top;
+                    *entry -= *factor * top;
                 }
             }
         }
@@ -215,14 +215,14 @@ mod tiny {
             for k in 0..N {
                 let top = x[k];
                 for (x, factor) in x[k + 1..].iter_mut().zip(&a[k][k + 1..]) {
-                    *x = *x - *factor * top;
+                    *x -= *factor * top;
                 }
             }
             for k in (0..N).rev() {
-                x[k] = x[k] * inverses[k];
+                x[k] *= inverses[k];
                 let bottom = x[k];
                 for (x, factor) in x[..k].iter_mut().zip(&a[k][..k]) {
-                    *x = *x - *factor * bottom;
+                    *x -= *factor * bottom;
                 }
             }
             for (i, x) in x.into_iter().enumerate() {

@@ -26,6 +26,12 @@ const HOMOTOPY_STEPS: usize = 400;
 /// Complex unknowns that a homotopy along the arc may have.
 const ARC_ENTRIES: usize = 64;
 
+/// Above so many real unknowns only homotopies are tried: ways from elsewhere take too long.
+const MANY_UNKNOWNS: usize = 2048;
+
+/// Ways around a failed ladder that are tried however many unknowns there are.
+const HOMOTOPIES: usize = 5;
+
 /// The excitation homotopy begins where friction is a small part of the excitation.
 const LARGE_EXCITATION: f64 = 100.0;
 
@@ -62,7 +68,9 @@ impl Plan {
 
     fn task<'a>(&'a self, rung: usize, slots: usize, homotopy: Homotopy, point: &'a Point) -> Task<'a> {
         let core = self.core(slots, point);
-        Task { balance: self.balance(rung), point, slots, core, homotopy, criteria: self.criteria() }
+        let balance = self.balance(rung);
+        let krylov = self.settings.krylov(balance.size(point.width(), core), point.width());
+        Task { balance, point, slots, core, krylov, homotopy, criteria: self.criteria() }
     }
 
     /// Newton's method on the first `slots` harmonics, until the residual is below `tolerance`, in a few steps.
@@ -103,17 +111,20 @@ impl Plan {
     pub(crate) fn fall_back(&self, hertz: f64, ws: &mut Workspace) -> Outcome {
         let mut best = Outcome::NONE;
         type Attempt = fn(&Plan, f64, &mut Workspace) -> Outcome;
-        let attempts: [Attempt; 8] = [
+        let attempts: [Attempt; 9] = [
             |plan, _, ws| plan.secant_homotopy(ws),
             |plan, _, ws| plan.stiffness_homotopy(ws),
             |plan, _, ws| plan.contact_homotopy(ws),
             |plan, _, ws| plan.excitation_homotopy(ws),
             Self::damping_homotopy,
             |plan, _, ws| plan.arclength_homotopy(ws),
+            |plan, _, ws| plan.start_at_rest(ws),
             |plan, _, ws| plan.perturbed_starts(ws),
             Self::detour,
         ];
-        for attempt in attempts {
+        let unknowns = self.balance(ws.goal).size(ws.point.width(), self.rungs[ws.goal].slots);
+        let tried = if unknowns > MANY_UNKNOWNS { HOMOTOPIES } else { attempts.len() };
+        for attempt in attempts.into_iter().take(tried) {
             let outcome = attempt(self, hertz, ws);
             if outcome.converged {
                 return outcome;
@@ -193,7 +204,8 @@ impl Plan {
         outcome
     }
 
-    /// Adds harmonics `from..to` to the unknowns, each as the response to the force harmonic of the motion so far.
+    /// Adds harmonics `from..to` to the unknowns, each as the response to the force harmonic of the motion so far; zero where
+    /// that makes the residual of many contacts larger.
     pub(crate) fn extend(&self, rung: usize, from: usize, to: usize, ws: &mut Workspace) {
         let width = ws.point.width();
         if from == 0 || from >= to {
@@ -202,10 +214,17 @@ impl Plan {
         let range = from * width..to * width;
         ws.unknowns[range.clone()].fill(c64::ZERO);
         let balance = self.balance(rung);
-        if balance.evaluate(&ws.point, to, Homotopy::NONE, &ws.unknowns, &mut ws.balance[rung]).is_ok() {
-            for entry in range {
-                ws.unknowns[entry] = -ws.balance[rung].residual[entry];
-            }
+        let Workspace { point, unknowns, balance: buffers, .. } = ws;
+        let buffers = &mut buffers[rung];
+        let Ok(before) = balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers) else { return };
+        for entry in range.clone() {
+            unknowns[entry] = -buffers.residual[entry];
+        }
+        // Contacts side by side overshoot together where the structure answers much; the Newton step knows them all.
+        let many = self.settings.krylov(balance.size(width, to), width) && point.contracting > from;
+        let worse = |after: Result<f64, _>| after.map_or(true, |after| after > before);
+        if many && worse(balance.evaluate(point, to, Homotopy::NONE, unknowns, buffers)) {
+            unknowns[range].fill(c64::ZERO);
         }
     }
 
@@ -440,6 +459,15 @@ impl Plan {
             }
         }
         Outcome { converged: false, residual: f64::INFINITY, ..outcome }
+    }
+
+    /// Newton's method from no motion at all: its first step is the motion with the tangents at rest. Friction that depends on
+    /// the velocity is a damper there, and may be a staircase at any larger motion.
+    fn start_at_rest(&self, ws: &mut Workspace) -> Outcome {
+        ws.stats.starts_at_rest += 1;
+        let slots = self.rungs[ws.goal].slots;
+        ws.unknowns[..slots * ws.point.width()].fill(c64::ZERO);
+        self.iterate(ws.goal, slots, Homotopy::NONE, ws)
     }
 
     /// The free response scaled and turned at random, from a fixed seed.

@@ -2,7 +2,9 @@
 
 use faer::{Mat, MatMut, c64};
 
+use crate::condensation::Load;
 use crate::dense::Lu;
+use crate::modal::Modal;
 use crate::sparse::{SparseFactor, SparseMatrices};
 
 /// M, D and C of the structure.
@@ -28,7 +30,7 @@ pub(crate) struct Additions<'a> {
 /// The dynamic stiffness of one harmonic, factored; buffers are reused.
 pub(crate) enum Factor {
     Dense(Lu<c64>),
-    Sparse(SparseFactor),
+    Sparse(Box<SparseFactor>),
 }
 
 impl Matrices {
@@ -39,11 +41,26 @@ impl Matrices {
         }
     }
 
+    /// The modes of dense matrices, where damping leaves them uncoupled and they are worth it.
+    pub(crate) fn modal(
+        &self,
+        contacts: &[(usize, Option<usize>)],
+        outputs: &[usize],
+        loads: &[Vec<Load>],
+    ) -> Option<Modal> {
+        match self {
+            Self::Dense { mass, damping, stiffness } => {
+                Modal::new(mass, damping, stiffness, contacts, outputs, loads)
+            }
+            Self::Sparse(_) => None,
+        }
+    }
+
     /// Buffers for one thread, for so many right-hand sides.
     pub(crate) fn factor(&self, columns: usize) -> Factor {
         match self {
             Self::Dense { mass, .. } => Factor::Dense(Lu::new(mass.nrows(), columns)),
-            Self::Sparse(matrices) => Factor::Sparse(matrices.factor()),
+            Self::Sparse(matrices) => Factor::Sparse(Box::new(matrices.factor())),
         }
     }
 

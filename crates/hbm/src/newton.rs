@@ -9,6 +9,7 @@ use faer::{Mat, c64};
 
 use crate::balance::{Balance, BalanceBuffers, Homotopy};
 use crate::dense::Lu;
+use crate::krylov::Krylov;
 use crate::point::Point;
 use crate::settings::Jacobian;
 
@@ -69,7 +70,11 @@ impl Outcome {
 /// Buffers of the iteration for one thread.
 #[derive(Debug)]
 pub(crate) struct NewtonBuffers {
+    /// Of the whole derivative; small until one is factored.
     lu: Lu<f64>,
+    krylov: Krylov,
+    /// The derivative of the step before is in `krylov`, not in `lu`.
+    iterated: bool,
     /// Of the core, in its real unknowns.
     step: Mat<f64>,
     correction: Mat<f64>,
@@ -86,6 +91,8 @@ impl NewtonBuffers {
         let size = 2 * entries;
         Self {
             lu: Lu::new(size.min(USUAL_SIZE), 1),
+            krylov: Krylov::new(),
+            iterated: false,
             step: Mat::zeros(size, 1),
             correction: Mat::zeros(size, 1),
             tail_step: vec![c64::ZERO; entries],
@@ -113,6 +120,8 @@ pub(crate) struct Task<'a> {
     pub(crate) slots: usize,
     /// The first harmonics, which are solved by Newton's method; the others follow by substitution.
     pub(crate) core: usize,
+    /// Steps by GMRES instead of a factorisation of the whole derivative.
+    pub(crate) krylov: bool,
     pub(crate) homotopy: Homotopy,
     pub(crate) criteria: Criteria,
 }
@@ -141,6 +150,7 @@ pub(crate) fn solve(
     let reference = point.excitation_norm(*slots) * homotopy.excitation;
     let relative = |norm: f64| if reference > 0.0 { norm / reference } else { norm };
     newton.history.clear();
+    newton.krylov.forget();
     let mut norm = match balance.evaluate(point, *slots, *homotopy, unknowns, buffers) {
         Ok(norm) => norm,
         Err(error) => {
@@ -166,7 +176,7 @@ pub(crate) fn solve(
         if !done && hopeless(&newton.history, criteria, iteration) {
             return Outcome { converged: false, iterations: iteration, residual, law_error };
         }
-        let length = newton_step(task, factored, unknowns, buffers, newton);
+        let length = newton_step(task, factored, residual, unknowns, buffers, newton);
         if !length.is_finite() {
             // Differences leave the buffers beside the point.
             let _ = balance.evaluate(point, *slots, *homotopy, unknowns, buffers);
@@ -237,7 +247,8 @@ pub(crate) fn correction(
     if balance.evaluate(point, *slots, *homotopy, unknowns, buffers).is_err() {
         return false;
     }
-    let length = newton_step(task, false, unknowns, buffers, newton);
+    newton.krylov.forget();
+    let length = newton_step(task, false, 0.0, unknowns, buffers, newton);
     for (entry, step) in steps.iter_mut().enumerate().take(slots * point.width()) {
         *step = newton.entry(task, entry);
     }
@@ -255,19 +266,51 @@ fn hopeless(history: &[f64], criteria: &Criteria, iteration: usize) -> bool {
     rate > 0.9 && now > 1e-4 && now * rate.powf(left) > criteria.tolerance
 }
 
+/// Accuracy of the linear system relative to that of the balance: with it each step converges as that of Newton's method.
+const FORCING: f64 = 0.1;
+
+/// The linear system is never solved more roughly than this, nor to more digits than that.
+const ROUGHEST: f64 = 1e-3;
+const FINEST: f64 = 1e-9;
+
+/// For a comparison of lengths.
+const LEADING_DIGITS: f64 = 1e-2;
+
+/// Up to so many real unknowns the whole derivative is factored where GMRES does not converge.
+const FACTORED: usize = 4096;
+
 /// Solves for the step, leaves it in `newton` and returns its norm. With `factored` the derivative of the step before is
-/// used again.
+/// used again. `residual` is the relative one.
 fn newton_step(
     task: &Task,
     factored: bool,
+    residual: f64,
     unknowns: &mut [c64],
     buffers: &mut BalanceBuffers,
     newton: &mut NewtonBuffers,
 ) -> f64 {
-    let Task { balance, point, core, homotopy, criteria, .. } = task;
+    let Task { balance, point, core, homotopy, criteria, krylov, .. } = task;
     let size = task.size();
     let tail = load_residual(task, buffers, &mut newton.step, Some(&mut newton.tail_step));
+    let length =
+        |newton: &NewtonBuffers| ((0..size).map(|r| newton.step[(r, 0)].powi(2)).sum::<f64>() + tail).sqrt();
     if !factored {
+        newton.iterated = *krylov;
+        if *krylov {
+            newton.krylov.load(task, buffers);
+        }
+    }
+    if newton.iterated {
+        let tolerance = (FORCING * residual).clamp(FINEST, ROUGHEST);
+        let NewtonBuffers { krylov, step, .. } = newton;
+        let solved = krylov_solve(task, tolerance, buffers, krylov, step);
+        if solved || size > FACTORED {
+            return if solved { length(newton) } else { f64::INFINITY };
+        }
+        load_residual(task, buffers, &mut newton.step, None);
+        newton.iterated = false;
+    }
+    if !factored || *krylov {
         newton.lu.reserve(size);
         match criteria.jacobian {
             Jacobian::Analytic => balance.jacobian(point, *core, *homotopy, buffers, &mut newton.lu.matrix),
@@ -276,7 +319,25 @@ fn newton_step(
         newton.lu.factor(size);
     }
     newton.lu.solve(newton.step.as_mut().subrows_mut(0, size));
-    ((0..size).map(|r| newton.step[(r, 0)].powi(2)).sum::<f64>() + tail).sqrt()
+    length(newton)
+}
+
+/// The core of the step by GMRES into a column of real unknowns; whether it converged.
+fn krylov_solve(
+    task: &Task,
+    tolerance: f64,
+    buffers: &BalanceBuffers,
+    krylov: &mut Krylov,
+    column: &mut Mat<f64>,
+) -> bool {
+    let width = task.point.width();
+    krylov.solve(task, tolerance, buffers.residual.iter().copied(), |entry, step| {
+        let (r, is_complex) = task.balance.real_index(width, entry / width, entry % width);
+        column[(r, 0)] = step.re;
+        if is_complex {
+            column[(r + 1, 0)] = step.im;
+        }
+    })
 }
 
 /// The natural test of Deuflhard, invariant to how residuals are scaled: the Newton correction that the old derivative
@@ -289,8 +350,15 @@ fn closer(
     lambda: f64,
 ) -> bool {
     let size = task.size();
-    let tail = load_residual(task, buffers, &mut newton.correction, None);
-    newton.lu.solve(newton.correction.as_mut().subrows_mut(0, size));
+    let NewtonBuffers { lu, krylov, iterated, correction, .. } = newton;
+    let tail = load_residual(task, buffers, correction, None);
+    if *iterated {
+        if !krylov_solve(task, LEADING_DIGITS, buffers, krylov, correction) {
+            return false;
+        }
+    } else {
+        lu.solve(correction.as_mut().subrows_mut(0, size));
+    }
     let core: f64 = (0..size).map(|r| newton.correction[(r, 0)].powi(2)).sum();
     (core + tail).sqrt() <= (1.0 - 0.25 * lambda) * length
 }

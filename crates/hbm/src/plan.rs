@@ -19,6 +19,18 @@ use crate::solution::Stats;
 use crate::sparse::SparseMatrices;
 use crate::transform::Transform;
 
+/// How the receptances at the contacts are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Receptances {
+    /// From a factorisation of the dense dynamic stiffness, one a harmonic.
+    Dense,
+    /// As sums over the modes of the structure, which its damping does not couple; from factorisations near resonances that
+    /// nothing damps.
+    Modes,
+    /// From a factorisation of the sparse dynamic stiffness, one a harmonic.
+    Sparse,
+}
+
 /// What a plan uses and what it leaves out, for a reader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanFacts {
@@ -46,8 +58,12 @@ pub struct PlanFacts {
     pub bounded_stiffness: bool,
     /// Dofs that carry no contact and are condensed away.
     pub condensed_dofs: usize,
+    /// How receptances are found.
+    pub receptances: Receptances,
     /// Real unknowns of the iteration.
     pub unknowns: usize,
+    /// Newton steps with all harmonics are solved for by GMRES, without factoring the whole derivative.
+    pub krylov: bool,
 }
 
 /// One rung of the ladder in N.
@@ -150,19 +166,37 @@ impl Plan {
     /// # Errors
     /// As [`Plan::new`]; also modal damping, which needs modes, and matrices whose factors do not fit into memory.
     pub fn direct(problem: &Problem<SparseModel>, settings: &Settings) -> Result<Self, PlanError> {
-        let model = &problem.model;
-        let dofs = model.mass.nrows();
-        check(problem, dofs, 1, settings)?;
-        check_size(problem, dofs, settings)?;
-        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
-        let matrices = Matrices::Sparse(SparseMatrices::new(model, &contacts)?);
-        let mut inertia = vec![0.0; dofs];
-        for entry in model.mass.triplet_iter() {
+        let mut inertia = vec![0.0; problem.model.mass.nrows()];
+        for entry in problem.model.mass.triplet_iter() {
             if let Some(sum) = inertia.get_mut(entry.row) {
                 *sum += *entry.val;
             }
         }
-        Ok(Self::make(problem, matrices, &[inertia], settings))
+        Self::direct_with_base(problem, &[inertia], settings)
+    }
+
+    /// Likewise with other base motions than that of all dofs alike: for each M r in kg on all dofs, as in
+    /// [`Model::with_base_loads`](structure::Model::with_base_loads).
+    ///
+    /// # Errors
+    /// As [`Plan::direct`]; also base loads that have not one finite number a dof.
+    pub fn direct_with_base(
+        problem: &Problem<SparseModel>,
+        base_loads: &[Vec<f64>],
+        settings: &Settings,
+    ) -> Result<Self, PlanError> {
+        let model = &problem.model;
+        let dofs = model.mass.nrows();
+        check(problem, dofs, base_loads.len(), settings)?;
+        if base_loads.iter().any(|load| load.len() != dofs || load.iter().any(|x| !x.is_finite())) {
+            let problem = format!("base loads must have {dofs} finite numbers");
+            return Err(PlanError { place: "model.mass".into(), problem });
+        }
+        // Sparse matrices take what they have entries for.
+        check_size(problem, 0, settings)?;
+        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
+        let matrices = Matrices::Sparse(SparseMatrices::new(model, &contacts)?);
+        Ok(Self::make(problem, matrices, base_loads, settings))
     }
 
     /// The plan of a problem that was checked.
@@ -242,6 +276,7 @@ impl Plan {
         let sampled = iterated && event_exact < self.contacts.len();
         let bounded = self.contacts.iter().all(|c| c.law.stiffest().is_some());
         let last = self.rungs.get(self.top);
+        let unknowns = self.balance(self.top).size(self.contacts.len(), self.slots());
         PlanFacts {
             fundamental: self.harmonics.fundamental,
             odd: self.harmonics.odd,
@@ -265,7 +300,9 @@ impl Plan {
                 .map(|rung| rung.order * self.harmonics.fundamental),
             bounded_stiffness: bounded,
             condensed_dofs: self.condensed_dofs,
-            unknowns: self.balance(self.top).size(self.contacts.len(), self.slots()),
+            receptances: self.structure.receptances(),
+            unknowns,
+            krylov: iterated && self.settings.krylov(unknowns, self.contacts.len()),
         }
     }
 
@@ -367,7 +404,13 @@ fn check_size<M>(problem: &Problem<M>, dofs: usize, settings: &Settings) -> Resu
     let harmonics = settings.harmonics as f64;
     let unknowns = 2.0 * (harmonics + 1.0) * contacts;
     let outputs = problem.output.len() as f64;
-    let bytes = 8.0 * unknowns * unknowns
+    let derivative = if settings.krylov(unknowns as usize, problem.contacts.len()) {
+        // The preconditioner, and one block a contact.
+        16.0 * (harmonics + 1.0) * contacts * (contacts + 2.0 * (harmonics + 1.0))
+    } else {
+        8.0 * unknowns * unknowns
+    };
+    let bytes = derivative
         + 16.0 * 2.0 * harmonics * contacts * (contacts + outputs)
         + 16.0 * dofs * (dofs + contacts);
     if bytes > MOST_BYTES && unknowns > SAFE_UNKNOWNS {

@@ -21,6 +21,24 @@ pub enum Jacobian {
     Difference,
 }
 
+/// How the linear system of a Newton step is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LinearSolver {
+    /// Whichever is faster for the number of unknowns.
+    #[default]
+    Auto,
+    /// The whole derivative is factored.
+    Dense,
+    /// GMRES, preconditioned harmonic by harmonic; the whole derivative is factored where it does not converge.
+    Krylov,
+}
+
+/// Real unknowns from which GMRES is faster than factoring the whole derivative.
+const KRYLOV_FROM: usize = 200;
+
+/// Contacts from which it is tried: fewer are coupled more through their harmonics than through the structure.
+const KRYLOV_WIDTH: usize = 8;
+
 /// How a problem is to be solved; the defaults are what a user wants without asking.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -39,6 +57,8 @@ pub struct Settings {
     pub start: Start,
     /// Where derivatives come from.
     pub jacobian: Jacobian,
+    /// How the linear system of a Newton step is solved.
+    pub linear_solver: LinearSolver,
     /// Also return the solutions that are not reported first, where they are known.
     pub all_solutions: bool,
     /// Residual, relative to the excitation, at which an iteration has converged.
@@ -58,9 +78,20 @@ impl Settings {
             samples: None,
             start: Start::default(),
             jacobian: Jacobian::default(),
+            linear_solver: LinearSolver::default(),
             all_solutions: false,
             tolerance: 1e-11,
             max_iterations: 60,
         }
+    }
+
+    /// Whether a Newton step with so many real unknowns of so many contacts is solved for by GMRES.
+    pub(crate) fn krylov(&self, unknowns: usize, contacts: usize) -> bool {
+        self.jacobian == Jacobian::Analytic
+            && match self.linear_solver {
+                LinearSolver::Auto => unknowns >= KRYLOV_FROM && contacts >= KRYLOV_WIDTH,
+                LinearSolver::Dense => false,
+                LinearSolver::Krylov => true,
+            }
     }
 }

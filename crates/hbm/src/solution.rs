@@ -106,6 +106,8 @@ pub struct Stats {
     pub damping_homotopies: usize,
     /// Homotopies in the contact force along the arc, through folds.
     pub arclength_homotopies: usize,
+    /// Starts from no motion.
+    pub starts_at_rest: usize,
     /// Perturbed starts.
     pub perturbed_starts: usize,
     /// Detours over other frequencies.

@@ -2,9 +2,9 @@
 
 use hbm::Contact;
 
+use crate::dofs::{Dofs, GROUND};
 use crate::error::SceneError;
 use crate::law;
-use crate::model::{Dofs, GROUND};
 use crate::read::Node;
 use crate::records::Records;
 

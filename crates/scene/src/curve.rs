@@ -6,8 +6,10 @@ use hbm::{ContinuationOptions, CurveEnd, CurvePoint};
 use serde::Serialize;
 
 use crate::error::SceneError;
+use crate::frequencies::Frequencies;
 use crate::notes;
 use crate::outcome::{Names, Point};
+use crate::reduction::ReductionFacts;
 use crate::scene::Scene;
 use crate::variants::Variants;
 
@@ -42,6 +44,9 @@ pub struct CurveOutcome {
     pub end: &'static str,
     /// The same in words; empty when the end was reached.
     pub reason: &'static str,
+    /// How the structure was reduced; not there when it was not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reduction: Option<ReductionFacts>,
     /// What a user should know beyond the numbers.
     pub notes: Vec<String>,
     /// In the order of the curve.
@@ -93,6 +98,14 @@ fn words(end: CurveEnd) -> (&'static str, &'static str) {
     }
 }
 
+/// The frequencies between which a curve runs.
+fn frequencies(along: Along, (from, to): (f64, f64)) -> Frequencies {
+    match along {
+        Along::Entry { frequency, .. } => Frequencies::ends(frequency, frequency),
+        Along::Frequency => Frequencies::ends(from.min(to), from.max(to)),
+    }
+}
+
 impl Scene {
     /// Follows the response over the range `from` to `to`. `variants` makes the scene at other values of an entry.
     ///
@@ -106,18 +119,22 @@ impl Scene {
         options: &ContinuationOptions,
     ) -> Result<CurveOutcome, SceneError> {
         let began = Instant::now();
+        let scene = self.clone().with_frequencies(frequencies(along, range));
+        let posed = scene.posed(&mut |_| ())?;
         let curve = match (along, variants) {
             (Along::Entry { pointer, frequency }, Some(variants)) => {
                 let problem = |value: f64| {
                     let scene = variants.scene(&[(pointer, value)]).ok()?;
-                    Some(hbm::Problem { output: self.problem.output.clone(), ..scene.problem })
+                    let scene = scene.with_harmonics(self.harmonics()).ok()?;
+                    let scene = scene.with_frequencies(frequencies(along, range));
+                    Some(scene.recovering(self.output.clone()).problem().ok()?.clone())
                 };
                 hbm::entry_curve(&problem, frequency, &self.settings, range, options)
             }
-            _ => hbm::frequency_curve(&self.problem, &self.settings, range, options),
+            _ => hbm::frequency_curve(&posed.problem, &self.settings, range, options),
         };
         let curve = curve.map_err(|error| SceneError::entry(&error.place, error.problem))?;
-        let plan = hbm::Plan::new(&self.problem, &self.settings)
+        let plan = hbm::Plan::new(&posed.problem, &self.settings)
             .map_err(|error| SceneError::entry(&error.place, error.problem))?;
         let names = Names::of(self, plan.orders());
         let dofs: Vec<String> = self.output().into_iter().map(str::to_owned).collect();
@@ -135,6 +152,7 @@ impl Scene {
         };
         let places: Vec<_> = curve.points.iter().map(|point| (point.parameter, &point.solution)).collect();
         let mut notes = self.notes.clone();
+        notes.extend(posed.notes());
         notes.extend(notes::extrapolated(self, &places, &unit));
         Ok(CurveOutcome {
             format_version: 1,
@@ -143,6 +161,7 @@ impl Scene {
             parameter,
             end,
             reason,
+            reduction: posed.facts(self.dofs().len()),
             notes,
             points: curve.points.iter().map(point).collect(),
             dofs,

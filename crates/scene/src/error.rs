@@ -56,6 +56,3 @@ impl SceneError {
         }
     }
 }
-
-/// The end of a message about something that a later version will do.
-pub(crate) const NOT_YET: &str = "not supported yet";

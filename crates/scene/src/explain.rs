@@ -1,9 +1,11 @@
 //! What a scene needs and what it leaves out, and why.
 
-use hbm::{Jacobian, PlanFacts, Settings, Start};
+use hbm::{Jacobian, PlanFacts, Receptances, Settings, Start};
 use serde::Serialize;
 
+use crate::reduction::{Reduced, SMALL, Wish};
 use crate::run::Prepared;
+use crate::structure::Structure;
 
 /// One step of the method.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -27,6 +29,7 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     let mut steps = vec![
         period(&facts),
         even_harmonics(&facts),
+        reduction(prepared),
         condensation(&facts, scene.output().len()),
         transforms(&facts),
         events(&facts),
@@ -132,14 +135,75 @@ fn even_harmonics(facts: &PlanFacts) -> Step {
     }
 }
 
+fn reduction(prepared: &Prepared) -> Step {
+    let what = "reduction of the structure";
+    let n = prepared.scene.dofs().len();
+    let dofs = if n == 1 { "1 dof".to_owned() } else { format!("{n} dofs") };
+    let Structure::Sparse(sparse) = &prepared.scene.structure else {
+        return step(
+            what,
+            false,
+            format!("the matrices stand in the scene; the structure with {dofs} is solved as it is"),
+        );
+    };
+    let nonzeros = sparse.model.nonzeros();
+    let Some(Reduced { key, reduction }) = prepared.posed.and_then(|posed| posed.reduced.as_ref()) else {
+        let why = match sparse.wish {
+            Wish::Full if prepared.posed.is_none() => {
+                "the scene asks for none; a sparse factor at every frequency and harmonic".to_owned()
+            }
+            Wish::Full => "the scene asks for none; solved as dense matrices".to_owned(),
+            _ => format!("it pays from {} dofs on", SMALL + 1),
+        };
+        return step(
+            what,
+            false,
+            format!("{dofs}, {nonzeros} nonzeros in the stiffness: {why} (model.reduction)"),
+        );
+    };
+    let kept = key.keep.len();
+    let reach =
+        reduction.fixed_frequencies.last().map_or(String::new(), |hertz| format!(" up to {hertz:.4e} Hz"));
+    let error = match reduction.error {
+        None => String::new(),
+        Some(error) => {
+            let (least, most) = (key.options.lowest, key.options.highest);
+            let checks = match reduction.checked_at.len() {
+                1 => "at 1 frequency".to_owned(),
+                count => format!("at {count} frequencies"),
+            };
+            format!(
+                "; their response is off by {error:.1e} at most (estimate, against the full structure {checks} \
+                 from {least} to {most} Hz)"
+            )
+        }
+    };
+    step(
+        what,
+        true,
+        format!(
+            "{dofs}, {nonzeros} nonzeros in the stiffness: the {kept} of contacts, excitation and output are kept, {} \
+             modes{reach} with these held stand for the others{error}",
+            reduction.modes
+        ),
+    )
+}
+
 fn condensation(facts: &PlanFacts, output: usize) -> Step {
     let what = "condensation to the contacts";
+    let how = match facts.receptances {
+        Receptances::Dense => "",
+        Receptances::Modes => "; receptances are sums over modes",
+        Receptances::Sparse => "; a sparse factorisation a harmonic",
+    };
     match facts.condensed_dofs {
         0 => step(what, false, "every dof carries a contact"),
-        1 => step(what, true, format!("1 dof carries no contact; {output} output dof(s) are recovered")),
-        count => {
-            step(what, true, format!("{count} dofs carry no contact; {output} output dof(s) are recovered"))
-        }
+        1 => step(what, true, format!("1 dof carries no contact; {output} output dof(s) are recovered{how}")),
+        count => step(
+            what,
+            true,
+            format!("{count} dofs carry no contact; {output} output dof(s) are recovered{how}"),
+        ),
     }
 }
 
@@ -189,7 +253,10 @@ fn iteration(facts: &PlanFacts, jacobian: Jacobian) -> Vec<Step> {
         )];
     }
     vec![
-        step(newton, true, format!("{} real unknowns", facts.unknowns)),
+        step(newton, true, {
+            let how = if facts.krylov { ", steps by GMRES, preconditioned harmonic by harmonic" } else { "" };
+            format!("{} real unknowns{how}", facts.unknowns)
+        }),
         match jacobian {
             Jacobian::Analytic => step(derivative, true, "the usual choice; exact and cheap"),
             Jacobian::Difference => {

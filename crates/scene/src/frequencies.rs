@@ -40,6 +40,11 @@ impl Frequencies {
         &self.0
     }
 
+    /// The ends of a range, which are finite and positive.
+    pub(crate) fn ends(from: f64, to: f64) -> Self {
+        Self(vec![from, to])
+    }
+
     /// `points` frequencies from one to the other, both included.
     fn range(from: f64, to: f64, points: usize, spacing: Spacing) -> Self {
         let last = points.saturating_sub(1);

@@ -2,11 +2,13 @@
 
 use hbm::Solution;
 
+use crate::run::Prepared;
 use crate::scene::Scene;
 
 /// Notes on the scene's data and on its solutions.
-pub(crate) fn all(scene: &Scene, solutions: &[Solution]) -> Vec<String> {
-    let mut notes = scene.notes.clone();
+pub(crate) fn all(prepared: &Prepared, solutions: &[Solution]) -> Vec<String> {
+    let scene = prepared.scene;
+    let mut notes = prepared.notes();
     let places: Vec<(f64, &Solution)> = solutions.iter().map(|s| (s.frequency, s)).collect();
     notes.extend(extrapolated(scene, &places, " Hz"));
     let several = solutions.iter().filter(|solution| solution.solutions.is_some_and(|count| count > 1));

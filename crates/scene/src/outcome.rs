@@ -9,6 +9,7 @@ use serde::ser::{SerializeMap, SerializeTuple};
 use serde::{Serialize, Serializer};
 
 use crate::notes;
+use crate::reduction::ReductionFacts;
 use crate::run::Solved;
 use crate::scene::Scene;
 
@@ -23,6 +24,9 @@ pub struct Outcome {
     pub dofs: Vec<String>,
     /// Units of every number.
     pub units: &'static str,
+    /// How the structure was reduced; not there when it was not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reduction: Option<ReductionFacts>,
     /// What a user should be told.
     pub notes: Vec<String>,
     /// One entry a frequency, in the scene's order.
@@ -152,7 +156,7 @@ impl Outcome {
     pub(crate) fn new(solved: &Solved, timing: Timing) -> Self {
         let (scene, plan) = (solved.prepared.scene, &solved.prepared.plan);
         let names = Names::of(scene, plan.orders());
-        let mut notes = notes::all(scene, solved.solutions());
+        let mut notes = notes::all(solved.prepared, solved.solutions());
         if solved.interrupted() {
             let (done, all) = (solved.solutions().len(), scene.frequencies().as_slice().len());
             notes.push(format!("stopped after {done} of {all} points; the others are not in the result"));
@@ -162,6 +166,7 @@ impl Outcome {
             scene: scene.name.clone(),
             dofs: names.dofs.iter().map(|name| (*name).to_owned()).collect(),
             units: "SI, Hz, rad",
+            reduction: solved.prepared.reduction(),
             notes,
             points: solved.solutions().iter().map(|solution| names.point(solution, names.others)).collect(),
             timing,
@@ -274,6 +279,7 @@ fn tried(stats: &hbm::Stats) -> Vec<&'static str> {
         ("homotopy in the excitation", stats.excitation_homotopies),
         ("homotopy in the damping", stats.damping_homotopies),
         ("homotopy along its arc", stats.arclength_homotopies),
+        ("start at rest", stats.starts_at_rest),
         ("perturbed starts", stats.perturbed_starts),
         ("detours over other frequencies", stats.detours),
     ];

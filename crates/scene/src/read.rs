@@ -23,6 +23,11 @@ impl<'a> Node<'a> {
         Self { json, path: String::new() }
     }
 
+    /// The value itself.
+    pub(crate) fn json(&self) -> &'a Json {
+        self.json
+    }
+
     /// Where it stands, for example `contacts[0].law`.
     pub fn path(&self) -> &str {
         &self.path

@@ -7,6 +7,8 @@ use hbm::{Plan, Solution, Sweep, SweepOptions, Waveform};
 
 use crate::explain::{self, Step};
 use crate::outcome::{Outcome, Timing};
+use crate::pose::Posed;
+use crate::reduction::ReductionFacts;
 use crate::response::Responses;
 use crate::scene::Scene;
 
@@ -14,6 +16,8 @@ use crate::scene::Scene;
 #[derive(Debug)]
 pub struct Prepared<'s> {
     pub(crate) scene: &'s Scene,
+    /// Not there where a large structure is solved as it is.
+    pub(crate) posed: Option<&'s Posed>,
     pub(crate) plan: Plan,
     setup: Duration,
 }
@@ -36,8 +40,18 @@ pub struct Solved<'s> {
 }
 
 impl<'s> Prepared<'s> {
-    pub(crate) fn new(scene: &'s Scene, plan: Plan, setup: Duration) -> Self {
-        Self { scene, plan, setup }
+    pub(crate) fn new(scene: &'s Scene, posed: Option<&'s Posed>, plan: Plan, setup: Duration) -> Self {
+        Self { scene, posed, plan, setup }
+    }
+
+    /// How the structure was reduced, where it was.
+    pub fn reduction(&self) -> Option<ReductionFacts> {
+        self.posed?.facts(self.scene.dofs().len())
+    }
+
+    /// What a user should know about the scene's data and its reduction.
+    pub fn notes(&self) -> Vec<String> {
+        [self.scene.notes(), &self.posed.map(Posed::notes).unwrap_or_default()].concat()
     }
 
     /// What the scene needs and what it leaves out, and why.

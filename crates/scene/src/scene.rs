@@ -1,21 +1,26 @@
 //! A scene: what is to be solved, read and checked.
 
 use std::path::Path;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use hbm::{Plan, Problem, Settings};
+use hbm::{Contact, Excitation, ExcitationKind, Plan, Problem, Settings};
+use structure::Progress;
 
 use crate::contacts;
+use crate::dofs::Dofs;
 use crate::error::SceneError;
 use crate::excitation;
 use crate::frequencies::Frequencies;
 use crate::harmonics::Harmonics;
 use crate::json::{self, Json};
-use crate::model::{self, Dofs};
-use crate::read::{Node, suggestion};
+use crate::model;
+use crate::pose::Posed;
+use crate::read::Node;
 use crate::records::Records;
 use crate::run::Prepared;
 use crate::solver;
+use crate::structure::Structure;
 
 pub(crate) const KEYS: [&str; 8] =
     ["name", "model", "excitation", "contacts", "frequencies", "harmonics", "output", "solver"];
@@ -27,8 +32,17 @@ const EVERY_OUTPUT: usize = 16;
 #[derive(Debug, Clone)]
 pub struct Scene {
     pub(crate) name: String,
-    pub(crate) dofs: Dofs,
-    pub(crate) problem: Problem,
+    pub(crate) structure: Structure,
+    /// Its dofs and those of contacts and output are those of the structure that move.
+    pub(crate) excitation: Vec<Excitation>,
+    /// Directions of base excitations.
+    pub(crate) directions: Vec<Option<String>>,
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) output: Vec<usize>,
+    /// The problem in the terms of the balance, made when it is first needed.
+    posed: OnceLock<Posed>,
+    /// It is kept although harmonics and frequencies change.
+    settled: bool,
     pub(crate) settings: Settings,
     /// What `solver.estimate` says.
     estimate: Option<bool>,
@@ -63,29 +77,35 @@ impl Scene {
     pub(crate) fn from_json(json: &Json, records: &Records, began: Instant) -> Result<Self, SceneError> {
         let scene = Node::root(json).object("model, excitation, contacts, frequencies, …", &KEYS)?;
         let name = scene.get("name").map_or(Ok(""), |node| node.text("a name"))?;
-        let (dofs, model) = model::read(&scene.need("model", "{\"dofs\": …}")?)?;
+        let structure = model::read(&scene.need("model", "{\"dofs\": …}")?, records)?;
+        let dofs = structure.dofs();
         let excitation = scene.need("excitation", "[{\"dof\": …, \"amplitude\": …}], or [] for none")?;
-        let excitation = excitation::read(&excitation, &dofs)?;
-        let contacts = contacts::read(scene.get("contacts"), &dofs, records)?;
+        let excitation = excitation::read(&excitation, dofs)?;
+        let contacts = contacts::read(scene.get("contacts"), dofs, records)?;
         let form = "{\"from\": 20.0, \"to\": 200.0, \"points\": 721}";
         let frequencies = Frequencies::read(&scene.need("frequencies", form)?)?;
         let harmonics = scene.get("harmonics").map_or(Ok(Harmonics::ONE), |node| Harmonics::read(&node))?;
         let mut settings = Settings::new(1);
         let estimate = solver::read(scene.get("solver"), &mut settings)?;
         harmonics.apply(estimate, &mut settings);
-        let mut problem = Problem { model, excitation, contacts: contacts.contacts, output: Vec::new() };
-        problem.output = match scene.get("output") {
-            Some(node) => read_output(&node, &dofs)?,
-            None => usual_output(&problem, dofs.len()),
+        let output = match scene.get("output") {
+            Some(node) => read_output(&node, dofs)?,
+            None => usual_output(&excitation.entries, &contacts.contacts, dofs.len()),
         };
+        let notes = [structure.notes(), &excitation.notes, &contacts.notes].concat();
         Ok(Self {
             name: name.to_owned(),
-            dofs,
-            problem,
+            structure,
+            excitation: excitation.entries,
+            directions: excitation.directions,
+            contacts: contacts.contacts,
+            output,
+            posed: OnceLock::new(),
+            settled: false,
             settings,
             estimate,
             frequencies,
-            notes: contacts.notes,
+            notes,
             read_in: began.elapsed(),
         })
     }
@@ -103,6 +123,7 @@ impl Scene {
     /// When it is none.
     pub fn with_harmonics(mut self, harmonics: impl Into<Harmonics>) -> Result<Self, SceneError> {
         harmonics.into().check()?.apply(self.estimate, &mut self.settings);
+        self.forget();
         Ok(self)
     }
 
@@ -110,23 +131,43 @@ impl Scene {
     #[must_use]
     pub fn with_frequencies(mut self, frequencies: Frequencies) -> Self {
         self.frequencies = frequencies;
+        self.forget();
         self
+    }
+
+    /// The same scene with its structure made ready for the harmonics and frequencies it has now: it stays so, whatever
+    /// they become. Only structures that are reduced depend on them.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the structure cannot be reduced.
+    pub fn settled(mut self) -> Result<Self, SceneError> {
+        self.posed(&mut |_| ())?;
+        self.settled = true;
+        Ok(self)
+    }
+
+    /// What was made for other harmonics and frequencies does not count.
+    fn forget(&mut self) {
+        if !self.settled {
+            self.posed = OnceLock::new();
+        }
     }
 
     /// The same scene with the displacements of other dofs recovered.
     ///
     /// # Errors
     /// When a name is no dof.
-    pub fn with_output(mut self, names: &[String]) -> Result<Self, SceneError> {
+    pub fn with_output(self, names: &[String]) -> Result<Self, SceneError> {
         let index = |name: &String| {
-            let known = self.dofs.names();
-            known.iter().position(|dof| dof == name).ok_or_else(|| {
-                let some: Vec<&str> = known.iter().take(EVERY_OUTPUT).map(String::as_str).collect();
-                SceneError::entry("output", format!("there is no dof {name:?}; {}", suggestion(name, &some)))
-            })
+            self.structure.dofs().find(name).map_err(|problem| SceneError::entry("output", problem))
         };
-        self.problem.output = names.iter().map(index).collect::<Result<_, _>>()?;
-        Ok(self)
+        let output = names.iter().map(index).collect::<Result<_, _>>()?;
+        Ok(self.recovering(output))
+    }
+
+    pub(crate) fn recovering(mut self, output: Vec<usize>) -> Self {
+        (self.output, self.posed) = (output, OnceLock::new());
+        self
     }
 
     /// The same scene with all solutions wanted, where they are known.
@@ -141,20 +182,20 @@ impl Scene {
         &self.name
     }
 
-    /// Names of the model's dofs.
+    /// Names of the model's dofs that move.
     pub fn dofs(&self) -> &[String] {
-        self.dofs.names()
+        self.structure.dofs().names()
     }
 
     /// Names of the dofs whose displacement is recovered.
     pub fn output(&self) -> Vec<&str> {
-        let name = |dof: &usize| self.dofs.names().get(*dof).map(String::as_str);
-        self.problem.output.iter().filter_map(name).collect()
+        let name = |dof: &usize| self.dofs().get(*dof).map(String::as_str);
+        self.output.iter().filter_map(name).collect()
     }
 
     /// Names of the contacts, those of `pairs` one by one.
     pub fn contacts(&self) -> impl Iterator<Item = &str> {
-        self.problem.contacts.iter().map(|contact| contact.name.as_str())
+        self.contacts.iter().map(|contact| contact.name.as_str())
     }
 
     /// How many harmonics its points have.
@@ -170,9 +211,34 @@ impl Scene {
         &self.frequencies
     }
 
-    /// The problem in the terms of the balance.
-    pub fn problem(&self) -> &Problem {
-        &self.problem
+    /// The problem in the terms of the balance. A structure that is reduced has the dofs of contacts, excitation and
+    /// output first, then modal coordinates; it is reduced when this is first asked for.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the structure cannot be reduced.
+    pub fn problem(&self) -> Result<&Problem, SceneError> {
+        self.problem_with(&mut |_| ())
+    }
+
+    /// Likewise, telling what is being done: a large structure takes its time.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the structure cannot be reduced.
+    pub fn problem_with(&self, progress: &mut dyn FnMut(Progress)) -> Result<&Problem, SceneError> {
+        Ok(&self.posed(progress)?.problem)
+    }
+
+    pub(crate) fn posed(&self, progress: &mut dyn FnMut(Progress)) -> Result<&Posed, SceneError> {
+        if let Some(posed) = self.posed.get() {
+            return Ok(posed);
+        }
+        let posed = self.pose(progress)?;
+        Ok(self.posed.get_or_init(|| posed))
+    }
+
+    /// The harmonics of Ω that are excited.
+    pub fn excited(&self) -> impl Iterator<Item = usize> {
+        self.excitation.iter().filter(|entry| entry.amplitude != 0.0).map(|entry| entry.harmonic)
     }
 
     /// How it is to be solved.
@@ -190,10 +256,26 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] when the problem cannot be solved as posed.
     pub fn prepare(&self) -> Result<Prepared<'_>, SceneError> {
+        self.prepare_with(&mut |_| ())
+    }
+
+    /// Likewise, telling what is being done: a large structure takes its time.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the problem cannot be solved as posed.
+    pub fn prepare_with(&self, progress: &mut dyn FnMut(Progress)) -> Result<Prepared<'_>, SceneError> {
         let began = Instant::now();
-        let plan = Plan::new(&self.problem, &self.settings)
-            .map_err(|error| SceneError::entry(&error.place, error.problem))?;
-        Ok(Prepared::new(self, plan, self.read_in + began.elapsed()))
+        let refused = |error: hbm::PlanError| SceneError::entry(&error.place, error.problem);
+        let (posed, plan) = match self.direct() {
+            Some((problem, base)) => {
+                (None, Plan::direct_with_base(&problem, &base, &self.settings).map_err(refused)?)
+            }
+            None => {
+                let posed = self.posed(progress)?;
+                (Some(posed), Plan::new(&posed.problem, &self.settings).map_err(refused)?)
+            }
+        };
+        Ok(Prepared::new(self, posed, plan, self.read_in + began.elapsed()))
     }
 }
 
@@ -210,13 +292,12 @@ fn read_output(node: &Node, dofs: &Dofs) -> Result<Vec<usize>, SceneError> {
 }
 
 /// Every dof of a small model, else those that carry contacts or excitation.
-fn usual_output(problem: &Problem, n: usize) -> Vec<usize> {
+fn usual_output(excitation: &[Excitation], contacts: &[Contact], n: usize) -> Vec<usize> {
     if n <= EVERY_OUTPUT {
         return (0..n).collect();
     }
-    let touched = problem.contacts.iter().flat_map(|contact| [Some(contact.first), contact.second]);
-    let shaken =
-        problem.excitation.iter().filter(|e| e.kind != hbm::ExcitationKind::Base).map(|e| Some(e.dof));
+    let touched = contacts.iter().flat_map(|contact| [Some(contact.first), contact.second]);
+    let shaken = excitation.iter().filter(|e| e.kind != ExcitationKind::Base).map(|e| Some(e.dof));
     let mut output: Vec<usize> = touched.chain(shaken).flatten().collect();
     output.sort_unstable();
     output.dedup();

@@ -10,7 +10,8 @@ mod tests {
 
     use super::SCHEMA;
     use crate::{
-        contacts, excitation, frequencies, harmonics, iwan, law, loop_family, loops, model, scene, solver,
+        contacts, dofs, excitation, frequencies, harmonics, iwan, law, loop_family, loops, matrix, model,
+        reduction, scene, solver,
     };
 
     /// Properties of a definition, or of the scene itself, without remarks.
@@ -29,6 +30,11 @@ mod tests {
             ("", &scene::KEYS[..]),
             ("model", &model::KEYS),
             ("rayleigh", &model::RAYLEIGH_KEYS),
+            ("matrix_market", &matrix::MATRIX_MARKET_KEYS),
+            ("npy", &matrix::NPY_KEYS),
+            ("npz", &matrix::NPZ_KEYS),
+            ("names_file", &dofs::FILE_KEYS),
+            ("reduction", &reduction::KEYS),
             ("excitation", &excitation::KEYS),
             ("contact", &contacts::KEYS),
             ("scaled_loop", &law::SCALED_LOOP_KEYS),

@@ -36,7 +36,7 @@ fn scaled(loop_: Value, symmetric: Value) -> Value {
 
 /// Amplitude in m and |F_1| in N of the law, from what it does.
 fn amplitudes(scene: &Scene) -> (f64, f64) {
-    let law = &scene.problem().contacts[0].law;
+    let law = &scene.problem().unwrap().contacts[0].law;
     let length = law.length().unwrap();
     (length, law.secant_stiffness(length) * length)
 }
@@ -74,7 +74,7 @@ fn even_content_is_taken_out_or_kept_and_said() {
     record(&folder, "large.csv", "displacement [um],force [N]", 1.0, 1.2, 1.0);
     let outcome = |file: &str, symmetric: Value| {
         let scene = read(&folder, scaled(json!({ "file": file }), symmetric)).unwrap();
-        (scene.problem().contacts[0].law.nature().odd, scene.notes().join("\n"))
+        (scene.problem().unwrap().contacts[0].law.nature().odd, scene.notes().join("\n"))
     };
     for (file, symmetric, odd, words) in [
         ("small.csv", json!("auto"), true, "even content, 1.00 % of |F_1|, is taken out"),

@@ -60,7 +60,24 @@ fn schema_and_reader_agree() {
         (true, "/model/damping", json!({ "rayleigh": { "mass": 1.0, "stiffness": 0.0 } })),
         (true, "/model/damping", json!({ "modal_ratio": 0.01 })),
         (false, "/model/damping", json!({ "modal_ratio": -0.01 })),
-        (false, "/model/damping", json!({ "matrix_market": "D.mtx" })),
+        (true, "/model/damping", json!({ "matrix_market": "single.mtx" })),
+        (true, "/model/mass", json!({ "npy": "single.npy" })),
+        (true, "/model/mass", json!({ "npz": "single.npz", "entry": "K" })),
+        (false, "/model/mass", json!({ "npz": "single.npz", "array": "K" })),
+        (false, "/model/mass", json!({ "npy": "" })),
+        (false, "/model/mass", json!({ "csv": "one.csv" })),
+        (true, "/model/dofs", json!({ "file": "single.txt" })),
+        (false, "/model/dofs", json!({ "names": "single.txt" })),
+        (true, "/model/fixed", json!([])),
+        (true, "/model/reduction", json!("auto")),
+        (true, "/model/reduction", json!("none")),
+        (false, "/model/reduction", json!("craig-bampton")),
+        (true, "/model/reduction", json!({ "modes": 3 })),
+        (true, "/model/reduction", json!({ "tolerance": 1e-6 })),
+        (false, "/model/reduction", json!({ "tolerance": 0 })),
+        (false, "/model/reduction", json!({ "modes": 3, "tolerance": 1e-6 })),
+        (false, "/model/reduction", json!({})),
+        (false, "/excitation/0", json!({ "dof": "a", "amplitude": 1, "direction": "x" })),
         (false, "/model/dofs", json!(["ground"])),
         (false, "/model/mass", json!([["1"]])),
         (true, "/harmonics", json!({ "tolerance": 1e-6, "max": 63 })),
@@ -122,6 +139,7 @@ fn schema_and_reader_agree() {
         (false, law(json!({ "stiffness": 1 }))),
     ];
     let laws = laws.into_iter().map(|(good, (place, value))| (good, place, value));
+    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/reference/matrices");
     for (good, place, value) in cases.into_iter().chain(laws) {
         let mut scene = base.clone();
         let (parent, key) = place.rsplit_once('/').unwrap();
@@ -132,10 +150,6 @@ fn schema_and_reader_agree() {
             items => items[key.parse::<usize>().unwrap()] = value.clone(),
         }
         assert_eq!(fits(&scene), good, "schema: {place} {value}");
-        assert_eq!(
-            Scene::from_str(&scene.to_string(), Path::new(".")).is_ok(),
-            good,
-            "reader: {place} {value}"
-        );
+        assert_eq!(Scene::from_str(&scene.to_string(), &files).is_ok(), good, "reader: {place} {value}");
     }
 }

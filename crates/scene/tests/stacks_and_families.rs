@@ -20,7 +20,7 @@ fn read(law: Value) -> Result<Scene, SceneError> {
 }
 
 fn first_harmonic(scene: &Scene, a: f64) -> Complex64 {
-    scene.problem().contacts[0].law.describing_function().unwrap().first_harmonic(a).force
+    scene.problem().unwrap().contacts[0].law.describing_function().unwrap().first_harmonic(a).force
 }
 
 fn refused(law: Value, message: &str) {
@@ -42,7 +42,7 @@ fn an_iwan_law_from_the_magnitude_law_or_a_backbone() {
     let slip = read(json!({ "type": "iwan", "backbone": [[1e-6, 2.0], [2e-6, 2.0]] })).unwrap();
     let damping = first_harmonic(&slip, 5e-6).im;
     assert!((damping - 8.0 / std::f64::consts::PI * 0.8).abs() < 1e-14, "{damping}");
-    assert!(!slip.problem().contacts[0].law.nature().determines_mean);
+    assert!(!slip.problem().unwrap().contacts[0].law.nature().determines_mean);
 }
 
 #[test]
@@ -54,10 +54,10 @@ fn a_family_meets_its_loops() {
     let scene = read(json!({ "type": "loop_family", "loops": loops })).unwrap();
     assert!((first_harmonic(&scene, 8e-6) - Complex64::new(0.3, 12.0)).norm() < 1e-14);
     assert!((first_harmonic(&scene, 2e-6) - Complex64::new(6.0, 3.0)).norm() < 1e-14);
-    assert!(!scene.problem().contacts[0].law.nature().odd);
+    assert!(!scene.problem().unwrap().contacts[0].law.nature().odd);
     assert!(scene.notes().iter().any(|note| note.contains("even content")), "{:?}", scene.notes());
     let odd = read(json!({ "type": "loop_family", "loops": loops, "symmetric": true })).unwrap();
-    assert!(odd.problem().contacts[0].law.nature().odd);
+    assert!(odd.problem().unwrap().contacts[0].law.nature().odd);
 }
 
 #[test]

@@ -16,7 +16,7 @@ use faer::{Accum, Mat, Par};
 use crate::factor::{Factor, FactorPlan};
 use crate::model::{Damping, Model};
 use crate::modes::{Lanczos, Modes, Wanted};
-use crate::pencil::{Pencil, entries, sparse_times};
+use crate::pencil::{Pencil, entries, transpose_times};
 use crate::receptance_error::Comparison;
 use crate::reduction::{ModeCount, Progress, Reduction, ReductionError, ReductionOptions};
 use crate::sparse::{SparseDamping, SparseModel};
@@ -45,8 +45,8 @@ struct Partition {
 
 /// Reduces `model` onto the dofs `keep` and modes.
 ///
-/// `base_motions` are displacement vectors r of all dofs; the reduced model carries TᵀMr as its base loads. Rayleigh
-/// damping stays Rayleigh damping, a matrix D becomes TᵀDT, and a modal ratio is given to every mode of the reduced
+/// `base_loads` are vectors M r in kg on all dofs, where M may be that of a structure whose held dofs were left out
+/// since; the reduced model carries TᵀM r. Rayleigh damping stays Rayleigh damping, a matrix D becomes TᵀDT, and a modal ratio is given to every mode of the reduced
 /// structure.
 ///
 /// Modes are those with the kept dofs held, all of them up to a frequency (counted by the inertia of C − λM). With
@@ -59,15 +59,14 @@ struct Partition {
 pub fn reduce(
     model: &SparseModel,
     keep: &[usize],
-    base_motions: &[Vec<f64>],
+    base_loads: &[Vec<f64>],
     options: &ReductionOptions,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reduction, ReductionError> {
     let n = model.mass.nrows();
-    check(n, keep, base_motions, options)?;
+    check(n, keep, base_loads, options)?;
     let partition = Partition::new(n, keep);
-    let motions = Mat::from_fn(n, base_motions.len(), |i, k| base_motions[k][i]);
-    let base = sparse_times(&model.mass, motions.as_ref());
+    let base = Mat::from_fn(n, base_loads.len(), |i, k| base_loads[k][i]);
     if partition.inner.is_empty() {
         let shapes = partition.shapes(keep, &Mat::new(), &Mat::new());
         let model = project(model, &shapes, &base)?;
@@ -123,7 +122,7 @@ pub fn reduce(
             let ended = error <= tolerance || stale == 3 || count == count_before || count >= most;
             if !ended {
                 previous = Some((count, error));
-                let growth = (error / tolerance).sqrt().clamp(1.3, 2.5);
+                let growth = (1.1 * (error / tolerance).powf(0.6)).clamp(1.25, 4.0);
                 wanted = Wanted::Lowest(((count as f64 * growth) as usize + 4).min(most));
                 continue;
             }
@@ -142,7 +141,7 @@ pub fn reduce(
 fn check(
     n: usize,
     keep: &[usize],
-    base_motions: &[Vec<f64>],
+    base_loads: &[Vec<f64>],
     options: &ReductionOptions,
 ) -> Result<(), ReductionError> {
     let mut kept = vec![false; n];
@@ -154,8 +153,8 @@ fn check(
         }
     }
     let odd = |motion: &Vec<f64>| motion.len() != n || motion.iter().any(|x| !x.is_finite());
-    if let Some(index) = base_motions.iter().position(odd) {
-        return Err(ReductionError::BaseMotion { index, dofs: n });
+    if let Some(index) = base_loads.iter().position(odd) {
+        return Err(ReductionError::BaseLoad { index, dofs: n });
     }
     let ReductionOptions { lowest, highest, modes } = *options;
     if !(lowest >= 0.0 && lowest <= highest && highest > 0.0 && highest.is_finite()) {
@@ -306,7 +305,7 @@ fn find(
 /// TᵀMT, TᵀDT, TᵀCT, and Tᵀ times the base loads.
 fn project(model: &SparseModel, shapes: &Mat<f64>, base: &Mat<f64>) -> Result<Model, ReductionError> {
     let damping = match &model.damping {
-        SparseDamping::Matrix(damping) => Damping::Matrix(congruent(damping, shapes)),
+        SparseDamping::Matrix(damping) => Damping::Matrix(congruent(damping, shapes).transpose().to_owned()),
         &SparseDamping::Rayleigh { mass, stiffness } => Damping::Rayleigh { mass, stiffness },
         &SparseDamping::ModalRatio(ratio) => Damping::ModalRatio(ratio),
     };
@@ -316,14 +315,14 @@ fn project(model: &SparseModel, shapes: &Mat<f64>, base: &Mat<f64>) -> Result<Mo
     Ok(Model::new(symmetric(mass), damping, symmetric(stiffness))?.with_base_loads(loads)?)
 }
 
-/// Tᵀ A T, a few columns at a time.
+/// Tᵀ Aᵀ T, a few columns at a time.
 fn congruent(matrix: &SparseColMat<usize, f64>, shapes: &Mat<f64>) -> Mat<f64> {
     const COLUMNS: usize = 64;
     let size = shapes.ncols();
     let mut out = Mat::zeros(size, size);
     for first in (0..size).step_by(COLUMNS) {
         let columns = COLUMNS.min(size - first);
-        let part = sparse_times(matrix, shapes.as_ref().subcols(first, columns));
+        let part = transpose_times(matrix, shapes.as_ref().subcols(first, columns));
         let out = out.as_mut().subcols_mut(first, columns);
         matmul(out, Accum::Replace, shapes.transpose(), part.as_ref(), 1.0, Par::Seq);
     }

@@ -4,18 +4,32 @@
 //! [`SparseModel`], from Matrix Market or NumPy files, and is reduced onto the dofs that carry contacts, excitation and
 //! output. Dofs are counted from zero; SI units.
 
+mod boundary;
+mod checks;
 mod craig_bampton;
+mod entries;
 mod error;
 mod factor;
+mod matrix_file;
+mod matrix_market;
 mod model;
 mod modes;
+mod npy;
+mod npz;
 mod pencil;
 mod receptance_error;
 mod reduction;
 mod sparse;
+mod triangle;
 
+pub use boundary::{MOST_DENSE_DOFS, times};
 pub use craig_bampton::reduce;
+pub use entries::compressed;
 pub use error::ModelError;
+pub use matrix_file::{MatrixFile, MatrixFileError, MatrixNote};
+pub use matrix_market::{parse_matrix_market, read_matrix_market};
 pub use model::{Damping, Model};
+pub use npy::{parse_npy, read_npy};
+pub use npz::{parse_npz, read_npz};
 pub use reduction::{ModeCount, Progress, Reduction, ReductionError, ReductionOptions};
 pub use sparse::{SparseDamping, SparseModel};

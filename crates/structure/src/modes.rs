@@ -52,6 +52,8 @@ pub(crate) struct Lanczos<'a> {
     random: ChaCha8Rng,
     /// V: M-orthonormal columns, all without a part on massless motions.
     basis: Mat<f64>,
+    /// M times the columns of V that A was not yet applied to.
+    momenta: Mat<f64>,
     /// H, A V = V H: one column for each column of V that A was applied to.
     projected: Mat<f64>,
     /// Columns of V that A was applied to.
@@ -75,6 +77,7 @@ impl<'a> Lanczos<'a> {
             sigma,
             random: ChaCha8Rng::seed_from_u64(1994),
             basis: Mat::zeros(pencil.size(), 0),
+            momenta: Mat::zeros(pencil.size(), 0),
             projected: Mat::new(),
             done: 0,
             held: 0,
@@ -92,12 +95,12 @@ impl<'a> Lanczos<'a> {
     ) -> Result<Modes, ReductionError> {
         let (Wanted::Below { count, .. } | Wanted::Lowest(count)) = wanted;
         let most = (4 * count + 40 * BLOCK).min(self.pencil.size());
-        let mut look = (count + count / 3 + 2 * BLOCK).min(most);
+        let mut look = (2 * count + 2 * BLOCK).min(most);
         loop {
             while self.done < look && !self.complete {
                 self.step()?;
             }
-            let (thetas, vectors, residuals) = self.ritz()?;
+            let Ritz { thetas, vectors, residuals } = self.ritz()?;
             let squares: Vec<f64> = thetas.iter().map(|theta| self.sigma + 1.0 / theta).collect();
             let found =
                 residuals.iter().zip(&thetas).take_while(|(rest, theta)| **rest <= FOUND * **theta).count();
@@ -133,8 +136,8 @@ impl<'a> Lanczos<'a> {
     /// One block: A times the newest columns.
     fn step(&mut self) -> Result<(), ReductionError> {
         let (first, end) = (self.done, self.held);
-        let newest = self.basis.subcols(first, end - first).to_owned();
-        let images = self.operator(newest.as_ref())?;
+        let mut images = std::mem::replace(&mut self.momenta, Mat::zeros(self.pencil.size(), 0));
+        self.factor.solve(images.as_mut())?;
         self.done = end;
         let (inside, corner) = self.append(images)?;
         let size = self.basis.ncols();
@@ -154,17 +157,12 @@ impl<'a> Lanczos<'a> {
         Ok(())
     }
 
-    /// A x = (C − σM)⁻¹ M x.
-    fn operator(&self, x: MatRef<'_, f64>) -> Result<Mat<f64>, ReductionError> {
-        let mut out = self.pencil.mass_times(x);
-        self.factor.solve(out.as_mut())?;
-        Ok(out)
-    }
-
     /// Random columns in the range of A.
     fn fresh(&mut self, columns: usize) -> Result<Mat<f64>, ReductionError> {
         let x = Mat::from_fn(self.pencil.size(), columns, |_, _| self.random.random_range(-1.0..1.0));
-        self.operator(x.as_ref())
+        let mut x = self.pencil.mass_times(x.as_ref());
+        self.factor.solve(x.as_mut())?;
+        Ok(x)
     }
 
     /// Splits `block` = V · inside + W · corner with [V, W] M-orthonormal, and appends W to V. Columns of the block in
@@ -174,16 +172,16 @@ impl<'a> Lanczos<'a> {
         let mut inside = Mat::<f64>::zeros(held, width);
         let mut corner = Mat::<f64>::identity(width, width);
         let mut replaced = 0;
+        let mut momenta = self.pencil.mass_times(block.as_ref());
         loop {
-            let momenta = self.pencil.mass_times(block.as_ref());
             let before: Vec<f64> = (0..block.ncols()).map(|c| inner(&block, &momenta, c, c).sqrt()).collect();
             let basis = self.basis.subcols(0, held);
             let mut share = Mat::<f64>::zeros(held, block.ncols());
             matmul(share.as_mut(), Accum::Replace, basis.transpose(), momenta.as_ref(), 1.0, Par::Seq);
             matmul(block.as_mut(), Accum::Add, basis, share.as_ref(), -1.0, Par::Seq);
             inside += &share * &corner;
-            let momenta = self.pencil.mass_times(block.as_ref());
-            let (triangle, lost) = normalise(&mut block, momenta, &before);
+            momenta = self.pencil.mass_times(block.as_ref());
+            let (triangle, lost) = normalise(&mut block, &mut momenta, &before);
             corner = &triangle * &corner;
             if lost.is_empty() {
                 // Once more until there was nothing to take away.
@@ -205,6 +203,7 @@ impl<'a> Lanczos<'a> {
                 block = Mat::from_fn(block.nrows(), kept.len(), |i, c| block[(i, kept[c])]);
                 corner = Mat::from_fn(kept.len(), width, |r, c| corner[(kept[r], c)]);
             }
+            momenta = self.pencil.mass_times(block.as_ref());
         }
         self.held = held + block.ncols();
         if self.held > self.basis.ncols() {
@@ -212,12 +211,13 @@ impl<'a> Lanczos<'a> {
             self.basis.resize_with(self.pencil.size(), room, |_, _| 0.0);
         }
         self.basis.as_mut().subcols_mut(held, block.ncols()).copy_from(&block);
+        let before = self.momenta.ncols();
+        self.momenta.resize_with(self.pencil.size(), before + block.ncols(), |i, c| momenta[(i, c - before)]);
         Ok((inside, corner))
     }
 
-    /// Eigenvalues θ of A in the span of V, descending and positive, their vectors in terms of V, and the M-norms of the
-    /// residuals.
-    fn ritz(&self) -> Result<(Vec<f64>, Mat<f64>, Vec<f64>), ReductionError> {
+    /// What V knows of the modes.
+    fn ritz(&self) -> Result<Ritz, ReductionError> {
         let m = self.done;
         let h = &self.projected;
         let symmetric = Mat::from_fn(m, m, |i, j| 0.5 * (h[(i, j)] + h[(j, i)]));
@@ -227,8 +227,16 @@ impl<'a> Lanczos<'a> {
         let outside = h.as_ref().submatrix(m, 0, self.held - m, m);
         let rest = outside * &vectors;
         let residuals = (0..order.len()).map(|k| rest.col(k).norm_l2()).collect();
-        Ok((order.iter().map(|&k| values[k]).collect(), vectors, residuals))
+        let thetas = order.iter().map(|&k| values[k]).collect();
+        Ok(Ritz { thetas, vectors, residuals })
     }
+}
+
+/// Approximate eigenvalues θ of A, descending and positive, with vectors in terms of V and residuals in the norm of M.
+struct Ritz {
+    thetas: Vec<f64>,
+    vectors: Mat<f64>,
+    residuals: Vec<f64>,
 }
 
 /// xᵢᵀ M yⱼ from x and M y.
@@ -236,30 +244,30 @@ fn inner(x: &Mat<f64>, momenta: &Mat<f64>, i: usize, j: usize) -> f64 {
     x.col(i).transpose() * momenta.col(j)
 }
 
-/// Gram–Schmidt within a block, in the inner product of M: block ← W with block = W · triangle. Columns of which less
+/// Gram–Schmidt within a block, in the inner product of M: block ← W with block = W · triangle, and M times it. Columns of which less
 /// than [`NOTHING`] of their norm `before` is left are listed, and zero in W.
-fn normalise(block: &mut Mat<f64>, mut momenta: Mat<f64>, before: &[f64]) -> (Mat<f64>, Vec<usize>) {
+fn normalise(block: &mut Mat<f64>, momenta: &mut Mat<f64>, before: &[f64]) -> (Mat<f64>, Vec<usize>) {
     let width = block.ncols();
     let mut triangle = Mat::zeros(width, width);
     let mut lost = Vec::new();
     for c in 0..width {
         for q in 0..c {
-            let share = inner(block, &momenta, q, c);
+            let share = inner(block, momenta, q, c);
             triangle[(q, c)] = share;
-            for matrix in [&mut *block, &mut momenta] {
+            for matrix in [&mut *block, &mut *momenta] {
                 for i in 0..matrix.nrows() {
                     matrix[(i, c)] -= share * matrix[(i, q)];
                 }
             }
         }
-        let norm = inner(block, &momenta, c, c).max(0.0).sqrt();
+        let norm = inner(block, momenta, c, c).max(0.0).sqrt();
         let factor = if norm > NOTHING * before[c] { 1.0 / norm } else { 0.0 };
         if factor == 0.0 {
             lost.push(c);
         } else {
             triangle[(c, c)] = norm;
         }
-        for matrix in [&mut *block, &mut momenta] {
+        for matrix in [&mut *block, &mut *momenta] {
             for i in 0..matrix.nrows() {
                 matrix[(i, c)] *= factor;
             }
@@ -269,14 +277,18 @@ fn normalise(block: &mut Mat<f64>, mut momenta: Mat<f64>, before: &[f64]) -> (Ma
 }
 
 /// Eigenvalues, ascending, and eigenvectors of a symmetric matrix.
-pub(crate) fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), ReductionError> {
+fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), ReductionError> {
     let n = matrix.nrows();
     let mut values = Diag::<f64>::zeros(n);
     let mut vectors = Mat::zeros(n, n);
+    // The decomposition neglects what is small against one, not against the matrix.
+    let size = matrix.norm_max().max(f64::MIN_POSITIVE);
+    let scaled = Mat::from_fn(n, n, |i, j| matrix[(i, j)] / size);
     let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
     let mut scratch = MemBuffer::try_new(scratch).map_err(|_| ReductionError::Memory)?;
     let stack = MemStack::new(&mut scratch);
-    self_adjoint_evd(matrix, values.as_mut(), Some(vectors.as_mut()), Par::Seq, stack, Default::default())
+    let (into, vectors_into) = (values.as_mut(), Some(vectors.as_mut()));
+    self_adjoint_evd(scaled.as_ref(), into, vectors_into, Par::Seq, stack, Default::default())
         .map_err(|_| ReductionError::Modes { found: 0, of: n })?;
-    Ok((values.column_vector().iter().copied().collect(), vectors))
+    Ok((values.column_vector().iter().map(|value| value * size).collect(), vectors))
 }

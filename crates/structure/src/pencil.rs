@@ -6,13 +6,23 @@ use faer::{Mat, MatRef};
 /// Right-hand sides that are multiplied at a time: a row of them fills whole vector registers.
 const LANES: usize = 8;
 
-/// Square matrices C and M with a common pattern, both triangles stored.
+/// Symmetric matrices C and M with a common pattern, both triangles stored.
 #[derive(Debug)]
 pub(crate) struct Pencil {
     columns: Vec<usize>,
     rows: Vec<usize>,
     stiffness: Vec<f64>,
     mass: Vec<f64>,
+    /// M once more, without the zeros of the common pattern: it is what is multiplied most.
+    only_mass: Columns,
+}
+
+/// A matrix by columns.
+#[derive(Debug, Default)]
+struct Columns {
+    ends: Vec<usize>,
+    rows: Vec<usize>,
+    values: Vec<f64>,
 }
 
 impl Pencil {
@@ -24,7 +34,8 @@ impl Pencil {
         select: &[usize],
         place: &[usize],
     ) -> Self {
-        let mut out = Self { columns: vec![0], rows: Vec::new(), stiffness: Vec::new(), mass: Vec::new() };
+        let (mut columns, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        let mut only_mass = Columns { ends: vec![0], ..Columns::default() };
         let mut column: Vec<(usize, f64, f64)> = Vec::new();
         for &dof in select {
             column.clear();
@@ -32,22 +43,20 @@ impl Pencil {
             column.extend(entries(mass, dof).map(|(row, value)| (place[row], 0.0, value)));
             column.retain(|&(row, c, m)| row != usize::MAX && (c != 0.0 || m != 0.0));
             column.sort_by_key(|&(row, ..)| row);
-            let mut last = usize::MAX;
-            for &(row, c, m) in &column {
-                if row != last {
-                    out.rows.push(row);
-                    out.stiffness.push(0.0);
-                    out.mass.push(0.0);
-                    last = row;
-                }
-                if let (Some(stiffness), Some(mass)) = (out.stiffness.last_mut(), out.mass.last_mut()) {
-                    *stiffness += c;
-                    *mass += m;
+            for same in column.chunk_by(|a, b| a.0 == b.0) {
+                let (c, m) = same.iter().fold((0.0, 0.0), |(c, m), entry| (c + entry.1, m + entry.2));
+                rows.push(same[0].0);
+                values.push((c, m));
+                if m != 0.0 {
+                    only_mass.rows.push(same[0].0);
+                    only_mass.values.push(m);
                 }
             }
-            out.columns.push(out.rows.len());
+            columns.push(rows.len());
+            only_mass.ends.push(only_mass.rows.len());
         }
-        out
+        let (stiffness, mass) = values.into_iter().unzip();
+        Self { columns, rows, stiffness, mass, only_mass }
     }
 
     pub(crate) fn size(&self) -> usize {
@@ -73,12 +82,16 @@ impl Pencil {
 
     /// M x.
     pub(crate) fn mass_times(&self, x: MatRef<'_, f64>) -> Mat<f64> {
-        self.times(&self.mass, x)
+        let Columns { ends, rows, values } = &self.only_mass;
+        multiply(x, |column| {
+            let range = ends[column]..ends[column + 1];
+            rows[range.clone()].iter().copied().zip(values[range].iter().copied())
+        })
     }
 
     /// (C − σM) x for the values that [`Pencil::shifted`] gave.
     pub(crate) fn times(&self, values: &[f64], x: MatRef<'_, f64>) -> Mat<f64> {
-        multiply(self.size(), x, |column| {
+        multiply(x, |column| {
             let range = self.columns[column]..self.columns[column + 1];
             self.rows[range.clone()].iter().copied().zip(values[range].iter().copied())
         })
@@ -93,36 +106,33 @@ pub(crate) fn entries(
     matrix.row_idx_of_col(column).zip(matrix.val_of_col(column).iter().copied())
 }
 
-/// A x for a sparse square matrix.
-pub(crate) fn sparse_times(matrix: &SparseColMat<usize, f64>, x: MatRef<'_, f64>) -> Mat<f64> {
-    multiply(matrix.nrows(), x, |column| entries(matrix, column))
+/// Aᵀ x for a sparse square matrix: A x, where it is symmetric.
+pub(crate) fn transpose_times(matrix: &SparseColMat<usize, f64>, x: MatRef<'_, f64>) -> Mat<f64> {
+    multiply(x, |column| entries(matrix, column))
 }
 
-/// A x, where `column` gives rows and values of a column of A.
-fn multiply<I: Iterator<Item = (usize, f64)>>(
-    n: usize,
-    x: MatRef<'_, f64>,
-    column: impl Fn(usize) -> I,
-) -> Mat<f64> {
+/// Aᵀ x, where `column` gives rows and values of a column of A.
+fn multiply<I: Iterator<Item = (usize, f64)>>(x: MatRef<'_, f64>, column: impl Fn(usize) -> I) -> Mat<f64> {
+    let n = x.nrows();
     let mut out = Mat::zeros(n, x.ncols());
-    let mut sums = vec![[0.0; LANES]; n];
+    // A few columns at a time, side by side.
+    let mut lanes = vec![[0.0; LANES]; n];
     for first in (0..x.ncols()).step_by(LANES) {
-        let lanes = LANES.min(x.ncols() - first);
-        sums.fill([0.0; LANES]);
-        for j in 0..n {
-            let mut factor = [0.0; LANES];
-            for (lane, factor) in factor.iter_mut().enumerate().take(lanes) {
-                *factor = x[(j, first + lane)];
-            }
-            for (row, value) in column(j) {
-                for (sum, factor) in sums[row].iter_mut().zip(&factor) {
-                    *sum += value * factor;
-                }
+        let width = LANES.min(x.ncols() - first);
+        for lane in 0..width {
+            for (lanes, x) in lanes.iter_mut().zip(x.col(first + lane).iter()) {
+                lanes[lane] = *x;
             }
         }
-        for lane in 0..lanes {
-            for (i, sum) in sums.iter().enumerate() {
-                out[(i, first + lane)] = sum[lane];
+        for j in 0..n {
+            let mut sums = [0.0; LANES];
+            for (row, value) in column(j) {
+                for (sum, x) in sums.iter_mut().zip(&lanes[row]) {
+                    *sum += value * x;
+                }
+            }
+            for (lane, sum) in sums.iter().enumerate().take(width) {
+                out[(j, first + lane)] = *sum;
             }
         }
     }

@@ -6,9 +6,11 @@
 //! added. The error at a frequency is the largest of ‖S(x − x̂)‖/‖S x‖ over the loads, x and x̂ being the displacements
 //! of the kept dofs in the full and in the reduced structure.
 //!
-//! With many kept dofs the loads are random combinations, so it is a sample. Frequencies lie close above resonances, from the lowest to
-//! the highest of the band, and at its end: off resonance, so that the undamped structure can be compared. What damping there is
-//! is left out unless it is a matrix: Rayleigh and modal damping add nothing that the modes could miss.
+//! With many kept dofs the loads are random combinations, so it is a sample. Frequencies lie 0.2 % to 1 % above
+//! resonances, from the lowest to the highest of the band, and at its end: near a resonance its shift by the reduction
+//! tells most, and off it the undamped structure can be compared. At the peak of a resonance with a damping ratio ζ
+//! below that distance the error is larger, by about their quotient. Damping is left out of the comparison unless it is
+//! a matrix: Rayleigh and modal damping act on no motion that the modes could miss.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +23,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::factor::FactorPlan;
 use crate::model::Model;
-use crate::pencil::{Pencil, entries, sparse_times};
+use crate::pencil::{Pencil, entries, transpose_times};
 use crate::reduction::{Progress, ReductionError, ReductionOptions};
 use crate::sparse::{SparseDamping, SparseModel};
 
@@ -81,7 +83,9 @@ impl Comparison {
         let pencil = Pencil::new(&model.stiffness, &model.mass, &dofs, &dofs);
         let plan = FactorPlan::new(&pencil)?;
         let damping = match &model.damping {
-            SparseDamping::Matrix(damping) => Some(damping),
+            SparseDamping::Matrix(damping) => {
+                Some(damping.transpose().to_col_major().map_err(|_| ReductionError::Memory)?)
+            }
             _ => None,
         };
         let frequencies = frequencies(&reduced.natural_frequencies(), options);
@@ -89,7 +93,7 @@ impl Comparison {
         let mut answers = Vec::new();
         for (done, hz) in frequencies.into_iter().enumerate() {
             progress(Progress::Checking { done, of });
-            if let Some(full) = respond(&pencil, &plan, damping, hz, &all)? {
+            if let Some(full) = respond(&pencil, &plan, damping.as_ref(), hz, &all)? {
                 answers.push((hz, Mat::from_fn(keep.len(), all.ncols(), |i, j| full[(keep[i], j)])));
             }
         }
@@ -153,7 +157,7 @@ fn away(resonances: &[f64], from: f64, to: f64) -> f64 {
     widest.map_or(to, |pair| 0.5 * (pair[0] + pair[1]))
 }
 
-/// (C − ω²M + iωD)⁻¹ F of the full structure; `None` where C − ω²M is singular to rounding.
+/// (C − ω²M + iωD)⁻¹ F of the full structure, with Dᵀ as `damping`; `None` where C − ω²M is singular to rounding.
 fn respond(
     pencil: &Pencil,
     plan: &FactorPlan,
@@ -173,8 +177,8 @@ fn respond(
     let mut real = undamped.clone();
     let mut imaginary = Mat::<f64>::zeros(n, columns);
     for _ in 0..40 {
-        let mut to_real = sparse_times(damping, imaginary.as_ref());
-        let mut to_imaginary = sparse_times(damping, real.as_ref());
+        let mut to_real = transpose_times(damping, imaginary.as_ref());
+        let mut to_imaginary = transpose_times(damping, real.as_ref());
         factor.solve(to_real.as_mut())?;
         factor.solve(to_imaginary.as_mut())?;
         let next_real = Mat::from_fn(n, columns, |i, j| undamped[(i, j)] + omega * to_real[(i, j)]);
@@ -185,7 +189,7 @@ fn respond(
         if change <= 1e-13 * size {
             return Ok(Some(Mat::from_fn(n, columns, |i, j| c64::new(real[(i, j)], imaginary[(i, j)]))));
         }
-        if !(size <= 1e6 * undamped.norm_l2()) {
+        if !size.is_finite() || size > 1e6 * undamped.norm_l2() {
             break;
         }
     }
@@ -208,7 +212,7 @@ fn direct(
     for column in 0..n {
         triplets.extend(
             entries(damping, column)
-                .map(|(row, value)| Triplet::new(row, column, c64::new(0.0, omega * value))),
+                .map(|(row, value)| Triplet::new(column, row, c64::new(0.0, omega * value))),
         );
     }
     let matrix = SparseColMat::try_new_from_triplets(n, n, &triplets).map_err(|_| ReductionError::Memory)?;

@@ -90,9 +90,9 @@ pub enum ReductionError {
         /// The dof.
         dof: usize,
     },
-    /// A base motion that does not fit.
-    #[error("base motion {index} must have one finite number for each of {dofs} dofs")]
-    BaseMotion {
+    /// A base load that does not fit.
+    #[error("base load {index} must have one finite number for each of {dofs} dofs")]
+    BaseLoad {
         /// Which one, counted from zero.
         index: usize,
         /// Dofs of the structure.

@@ -372,7 +372,8 @@ mod tests {
 
     fn first_harmonic(law: &str, steps: usize) -> Complex64 {
         let settings = SteppingSettings { steps, tolerance: 1e-7, most_periods: 1000 };
-        step_until_periodic(&system(&r(law), 75.0), 75.0, &settings).unwrap().spectrum(0, 1)[1]
+        step_until_periodic(&system(r(law).problem().unwrap(), 75.0), 75.0, &settings).unwrap().spectrum(0, 1)
+            [1]
     }
 
     /// Of w1 in m, from two independent computations of the exact orbit.
@@ -405,7 +406,7 @@ mod tests {
     #[test]
     fn what_cannot_be_followed_says_so() {
         let scene = r(r#"{"type": "scaled_loop", "loop": {"displacement": 8e-6, "force": 12}}"#);
-        let system = system(&scene, 75.0);
+        let system = system(scene.problem().unwrap(), 75.0);
         let settings = SteppingSettings { steps: 64, tolerance: 1e-7, most_periods: 10 };
         let error = step_until_periodic(&system, 75.0, &settings).unwrap_err();
         assert!(error.to_string().contains("root"), "{error}");

@@ -2,14 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use hbm::{Excitation, ExcitationKind};
+use hbm::{Excitation, ExcitationKind, Problem};
 use num_complex::Complex64;
 use orbit::{Contact, Load, System};
-use scene::Scene;
 
-/// The system of `scene` at `hertz`: its matrices, its excitation as forces on dofs, its contacts.
-pub fn system(scene: &Scene, hertz: f64) -> System {
-    let problem = scene.problem();
+/// The system of `problem` at `hertz`: its matrices, its excitation as forces on dofs, its contacts.
+pub fn system(problem: &Problem, hertz: f64) -> System {
     let model = &problem.model;
     let omega = TAU * hertz;
     let contact = |contact: &hbm::Contact| Contact {

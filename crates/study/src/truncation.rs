@@ -119,9 +119,14 @@ pub fn truncation(
         let list = skipped.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
         notes.push(format!("N = {list} skipped: harmonic {highest} is excited"));
     }
+    // A structure that is reduced is so once, for the largest N: what differs is the truncation alone.
+    let scene = &scene.clone().with_harmonics(largest)?.settled()?;
     let scenes: Vec<Scene> =
         kept.iter().map(|n| scene.clone().with_harmonics(*n)).collect::<Result<_, _>>()?;
     let prepared: Vec<Prepared> = scenes.iter().map(Scene::prepare).collect::<Result<_, _>>()?;
+    if let Some(prepared) = prepared.last() {
+        notes.extend(prepared.notes().into_iter().skip(scene.notes().len()));
+    }
     let truths = Truths::new(scene, largest)?;
     let frequencies = scene.frequencies().as_slice();
 
@@ -177,8 +182,7 @@ impl Truncation {
 }
 
 fn highest_excited(scene: &Scene) -> usize {
-    let excited = scene.problem().excitation.iter().filter(|entry| entry.amplitude != 0.0);
-    excited.map(|entry| entry.harmonic).max().unwrap_or(0)
+    scene.excited().max().unwrap_or(0)
 }
 
 /// The solution at `hertz` and the median time in s it took, after one that warms up.

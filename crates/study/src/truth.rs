@@ -3,7 +3,7 @@
 use std::fmt;
 
 use contact::Mechanism;
-use hbm::{Plan, Settings, Solution, Status};
+use hbm::{Plan, Problem, Settings, Solution, Status};
 use num_complex::Complex64;
 use orbit::{Orbit, OrbitError};
 use scene::Scene;
@@ -99,7 +99,8 @@ const BEYOND: usize = 16;
 
 /// The truths of a scene; [`Truths::at`] gives that of one frequency.
 pub struct Truths<'s> {
-    scene: &'s Scene,
+    /// The scene's problem; a structure that is reduced stays as it is, whatever the harmonics.
+    posed: &'s Problem,
     /// Positions of the scene's output dofs are their numbers: every dof is recovered.
     plan: Plan,
     harmonics: usize,
@@ -114,7 +115,8 @@ impl<'s> Truths<'s> {
     /// When the scene cannot be solved as posed.
     pub fn new(scene: &'s Scene, largest: usize) -> Result<Self, StudyError> {
         let harmonics = reference_harmonics(largest);
-        let mut problem = scene.problem().clone();
+        let posed = scene.problem()?;
+        let mut problem = posed.clone();
         problem.output = (0..problem.model.dofs()).collect();
         let settings = Settings {
             harmonics,
@@ -127,7 +129,7 @@ impl<'s> Truths<'s> {
         let plan = Plan::new(&problem, &settings)?;
         let mechanism = |contact: &hbm::Contact| !matches!(contact.law.mechanism(), Mechanism::None { .. });
         let has_orbits = problem.contacts.iter().all(mechanism);
-        Ok(Self { scene, plan, harmonics, highest: (BEYOND * (largest + 1)).max(512), has_orbits })
+        Ok(Self { posed, plan, harmonics, highest: (BEYOND * (largest + 1)).max(512), has_orbits })
     }
 
     /// The same truths with spectra of orbits up to harmonic `highest` at least.
@@ -184,7 +186,7 @@ impl<'s> Truths<'s> {
     }
 
     fn beside(&self, hertz: f64, solution: &Solution) -> Result<Orbit, OrbitError> {
-        let system = system(self.scene, hertz);
+        let system = system(self.posed, hertz);
         let usual = orbit::Settings::default();
         let start = solution.status.solved().then(|| start::state(&system, &self.plan, solution));
         let beside = orbit::Settings { start, ..usual.clone() };
@@ -196,7 +198,7 @@ impl<'s> Truths<'s> {
     }
 
     fn outputs(&self) -> &[usize] {
-        &self.scene.problem().output
+        &self.posed.output
     }
 
     fn first(&self) -> usize {
@@ -212,7 +214,7 @@ impl<'s> Truths<'s> {
                 amplitude: 0.5 * (most - least),
             }
         };
-        let contacts = 0..self.scene.problem().contacts.len();
+        let contacts = 0..self.posed.contacts.len();
         let mut truth = Truth {
             frequency: hertz,
             reference: Reference::Orbit,

@@ -64,7 +64,7 @@ fn cases_are_the_grid() {
     assert_eq!((0..4).map(|i| study.case(i).harmonics.to_string()).collect::<Vec<_>>(), ["1", "3", "1", "3"]);
     let scene = study.scene(11).unwrap();
     assert_eq!((scene.name(), scene.settings().harmonics), ("blade", 3));
-    assert_eq!(scene.problem().excitation[0].amplitude, 100.0);
+    assert_eq!(scene.problem().unwrap().excitation[0].amplitude, 100.0);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Which methods are measured, at which settings.
 
+use anyhow::Result;
 use contact::Mechanism;
 use hbm::{Plan, Settings};
 use scene::Scene;
@@ -21,8 +22,8 @@ const STEPS: [usize; 4] = [64, 256, 1024, 4096];
 const START: usize = 15;
 
 /// Series of growing settings for `scene`; `exact` when its truths are orbits.
-pub(super) fn series(scene: &Scene, exact: bool) -> Vec<Vec<Method>> {
-    let problem = scene.problem();
+pub(super) fn series(scene: &Scene, exact: bool) -> Result<Vec<Vec<Method>>> {
+    let problem = scene.problem()?;
     let lowest = problem.excitation.iter().map(|e| e.harmonic).max().unwrap_or(1).max(1);
     let by_events = Plan::new(problem, &Settings::new(7)).is_ok_and(|plan| plan.facts().samples == 0);
     let followed = problem.contacts.iter().all(|c| !matches!(c.law.mechanism(), Mechanism::None { .. }));
@@ -46,7 +47,7 @@ pub(super) fn series(scene: &Scene, exact: bool) -> Vec<Vec<Method>> {
             series.push(vec![Method::OrbitFromBalance { harmonics: START }]);
         }
     }
-    series
+    Ok(series)
 }
 
 /// Tolerances of the quick check, and the most harmonics they may take.

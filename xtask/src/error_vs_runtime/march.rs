@@ -77,7 +77,7 @@ fn sweep(
     if way == Way::MarchDifference {
         settings.jacobian = Jacobian::Difference;
     }
-    let plan = Plan::new(scene.problem(), &settings)?;
+    let plan = Plan::new(scene.problem()?, &settings)?;
     let mut workspace = plan.workspace();
     let given = scene.frequencies().as_slice();
     let lowest = given.iter().copied().fold(f64::INFINITY, f64::min);

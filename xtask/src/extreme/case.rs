@@ -32,6 +32,8 @@ pub(super) enum Reason {
     NoLoop,
     /// A law so steep against the way between samples that its harmonics form a staircase over the motion.
     Staircase,
+    /// The last digits of the numbers given decide on the solution.
+    Undetermined,
     /// The magnitude law becomes negative in its range or beyond.
     NegativeMagnitude,
 }

@@ -259,7 +259,7 @@ fn stuck_resonance(draw: &mut Draw, _: usize) -> Case {
     if !natural.is_empty() {
         case.frequency = draw.pick(&natural);
     }
-    labelled(case, Special::None)
+    labelled(case, Special::StuckResonance)
 }
 
 fn harmonics(draw: &mut Draw, index: usize) -> Case {

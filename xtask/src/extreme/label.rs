@@ -18,11 +18,15 @@
 //!
 //! **Exactly at an undamped resonance** the modal equation asks for a contact force that cancels the excitation, `F_1 = P`; friction has
 //! one when |P| is below the limit of |F_1| for large amplitudes (Landesman and Lazer's condition), and none above.
+//!
+//! **Exactly at an undamped resonance of the sticking contact** the slider moves by as little as dissipates what the excitation
+//! puts in, u = x_c + π/4 |u⁰|, and the phase is that of u⁰. A change ε of the frequency leaves 2 ε k x_c of the forces that
+//! cancel: where that is not small against k u⁰, the numbers given do not determine the phase.
 
 use num_complex::Complex64;
 
 use super::balance::Rows;
-use super::case::{Case, Label, Reason};
+use super::case::{Case, DampingSpec, Label, Reason};
 use super::law::LawSpec;
 use super::motion::Motion;
 
@@ -32,6 +36,8 @@ pub(super) enum Special {
     None,
     /// Undamped, exactly at a resonance of the structure without contact.
     FreeResonance,
+    /// At a resonance of the structure with its contact fixed or sticking.
+    StuckResonance,
     /// A static load on a structure that nothing supports.
     FreeBody,
 }
@@ -53,6 +59,9 @@ pub(super) fn label(case: &Case, special: Special) -> Label {
     }
     if special == Special::FreeResonance && !matches!(law, LawSpec::Coulomb { .. }) {
         return at_resonance(case, law);
+    }
+    if special == Special::StuckResonance && is_undetermined(case) {
+        return refused(Reason::Undetermined);
     }
     if case.contacts.iter().any(|contact| is_staircase(case, &contact.law)) {
         return refused(Reason::Staircase);
@@ -86,6 +95,24 @@ fn is_staircase(case: &Case, law: &LawSpec) -> bool {
     };
     let rate: f64 = case.loads.iter().map(rate).sum();
     rate.is_nan() || rate > 100.0 * velocity
+}
+
+/// Sixteen rounding units of the force of a sticking spring may be as much as this part of the excitation at it.
+const DETERMINED: f64 = 1e-7;
+
+/// Whether the excitation is lost in the last digits of the forces that cancel at an undamped resonance of the sticking contact.
+fn is_undetermined(case: &Case) -> bool {
+    let [contact] = case.contacts.as_slice() else { return false };
+    let LawSpec::ElasticCoulomb { stiffness, .. } = contact.law else { return false };
+    let (DampingSpec::None, Ok(model)) = (&case.damping, case.model()) else { return false };
+    case.loads.iter().filter(|load| load.amplitude != 0.0).any(|load| {
+        let Some(&(g, free)) = Rows::new(case, &model, load.harmonic).receptances().first() else {
+            return false;
+        };
+        let detuning = (1.0 + stiffness * contact.scale * g).norm();
+        let least = 16.0 * f64::EPSILON / DETERMINED * length(&contact.law);
+        detuning < 1e-9 && free.norm() < least
+    })
 }
 
 fn at_resonance(case: &Case, law: &LawSpec) -> Label {

@@ -149,6 +149,7 @@ fn fits(label: Label, reason: FailureReason) -> bool {
         Reason::Staircase => {
             matches!(reason, FailureReason::NotConverged | FailureReason::SingularStructure { .. })
         }
+        Reason::Undetermined => reason == FailureReason::NotConverged,
         Reason::HoldingShell => matches!(reason, FailureReason::HoldingLimit | FailureReason::NotConverged),
         Reason::NegativeMagnitude => {
             matches!(

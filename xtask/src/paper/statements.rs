@@ -134,7 +134,7 @@ impl Comparison {
     pub(crate) fn of_scenes(files: &[impl AsRef<Path>; 2]) -> Result<Self> {
         let [hysteresis, coulomb] =
             [Scene::from_file(files[0].as_ref())?, Scene::from_file(files[1].as_ref())?];
-        Self::of(hysteresis.problem(), coulomb.problem())
+        Self::of(hysteresis.problem()?, coulomb.problem()?)
     }
 
     /// Static |W_1| of m2, elastic Coulomb over hysteresis model, minus one.

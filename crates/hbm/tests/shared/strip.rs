@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use contact::{ElasticCoulomb, ElasticCoulombParameters};
-use faer::Mat;
 use faer::sparse::{SparseColMat, Triplet};
+use faer::{Mat, c64};
 use hbm::{Contact, Damping, Excitation, ExcitationKind, Model, Problem, SparseDamping, SparseModel};
 
 /// Masses across.
@@ -53,14 +53,19 @@ pub fn mass(dofs: usize) -> Vec<(usize, usize, f64)> {
 /// Factors on mass and stiffness.
 pub const DAMPING: (f64, f64) = (6.0, 2e-6);
 
+/// Stiffness in N/m and slip force in N of contact `c`.
+pub fn law(c: usize) -> (f64, f64) {
+    (1.5e5, 0.6 * (1.0 + 0.6 * (c as f64 * 2.3).sin()))
+}
+
 /// Contacts to the ground and, every third, between neighbours across, of different strength.
 pub fn contacts(dofs: usize, count: usize) -> Vec<Contact> {
     (0..count)
         .map(|c| {
             let first = (c * dofs) / count;
             let pair = c % 3 == 2 && first % ACROSS + 1 < ACROSS && first + 1 < dofs;
-            let slip_force = 0.6 * (1.0 + 0.6 * (c as f64 * 2.3).sin());
-            let parameters = ElasticCoulombParameters { stiffness: 1.5e5, slip_force };
+            let (stiffness, slip_force) = law(c);
+            let parameters = ElasticCoulombParameters { stiffness, slip_force };
             Contact {
                 name: format!("pad {c}"),
                 first,
@@ -102,6 +107,35 @@ pub fn dense(dofs: usize, count: usize) -> Problem {
     }
 }
 
+/// H at the angular frequency `omega`, from the entries of the strip.
+#[allow(dead_code)]
+pub fn dynamic_stiffness(dofs: usize, omega: f64) -> SparseColMat<usize, c64> {
+    let (by_mass, by_stiffness) = DAMPING;
+    let stiffness =
+        stiffness(dofs).into_iter().map(|(i, j, c)| (i, j, c64::new(c, omega * by_stiffness * c)));
+    let mass =
+        mass(dofs).into_iter().map(|(i, j, m)| (i, j, c64::new(-omega * omega * m, omega * by_mass * m)));
+    let entries: Vec<_> = stiffness.chain(mass).map(|(i, j, value)| Triplet::new(i, j, value)).collect();
+    SparseColMat::try_new_from_triplets(dofs, dofs, &entries).unwrap()
+}
+
+/// So many equal oscillators on their own springs, each with a contact and a force.
+#[allow(dead_code)]
+pub fn single(count: usize) -> Problem {
+    let diagonal = |value: f64| Mat::from_fn(count, count, |i, j| if i == j { value } else { 0.0 });
+    let law =
+        Arc::new(ElasticCoulomb::new(ElasticCoulombParameters { stiffness: 8e4, slip_force: 1.2 }).unwrap());
+    let contact = |first| Contact { name: "c".into(), first, second: None, law: law.clone(), scale: 1.0 };
+    let force =
+        |dof| Excitation { dof, harmonic: 1, amplitude: 3.0, phase: 0.4, kind: ExcitationKind::Force };
+    Problem {
+        model: Model::new(diagonal(1.0), Damping::Matrix(diagonal(9.0)), diagonal(1.4e5)).unwrap(),
+        excitation: (0..count).map(force).collect(),
+        contacts: (0..count).map(contact).collect(),
+        output: vec![0],
+    }
+}
+
 /// Frequencies in Hz over the first resonances.
 #[allow(dead_code)]
 pub fn frequencies(points: usize) -> Vec<f64> {
@@ -109,6 +143,7 @@ pub fn frequencies(points: usize) -> Vec<f64> {
 }
 
 /// The strip with sparse matrices.
+#[allow(dead_code)]
 pub fn sparse(dofs: usize, count: usize) -> Problem<SparseModel> {
     let assemble = |entries: Vec<(usize, usize, f64)>| {
         let entries: Vec<_> = entries.into_iter().map(|(i, j, value)| Triplet::new(i, j, value)).collect();

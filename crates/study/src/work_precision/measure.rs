@@ -1,6 +1,6 @@
 //! One method on all points of one scene.
 
-use hbm::{Plan, Solution};
+use hbm::{Plan, Problem, Solution};
 use num_complex::Complex64;
 use orbit::{Orbit, System};
 use scene::Scene;
@@ -41,11 +41,12 @@ pub fn measure(
         samples: 0,
         periods: 0.0,
     };
+    let problem = scene.problem()?;
     match method {
-        Method::Stepping { steps } => Ok(stepping(scene, truths, steps, patience, blank)),
-        Method::Orbit => Ok(orbit(scene, truths, patience, blank)),
-        Method::OrbitFromBalance { .. } => orbit_from_balance(scene, truths, patience, blank),
-        _ => balance(scene, truths, patience, blank),
+        Method::Stepping { steps } => Ok(stepping(problem, truths, steps, patience, blank)),
+        Method::Orbit => Ok(orbit(problem, truths, patience, blank)),
+        Method::OrbitFromBalance { .. } => orbit_from_balance(problem, truths, patience, blank),
+        _ => balance(problem, truths, patience, blank),
     }
 }
 
@@ -69,13 +70,13 @@ impl Measurement {
 }
 
 fn balance(
-    scene: &Scene,
+    problem: &Problem,
     truths: &[Truth],
     patience: &Patience,
     mut blank: Measurement,
 ) -> Result<Measurement, StudyError> {
     let Some(settings) = blank.method.settings() else { return Ok(blank) };
-    let plan = Plan::new(scene.problem(), &settings)?;
+    let plan = Plan::new(problem, &settings)?;
     let mut workspace = plan.workspace();
     let mut solutions = vec![Solution::default(); truths.len()];
     let timed = patience.time(|| {
@@ -93,26 +94,26 @@ fn balance(
     Ok(blank.judged(errors.collect(), timed))
 }
 
-fn systems(scene: &Scene, truths: &[Truth]) -> Vec<System> {
-    truths.iter().map(|truth| system(scene, truth.frequency)).collect()
+fn systems(problem: &Problem, truths: &[Truth]) -> Vec<System> {
+    truths.iter().map(|truth| system(problem, truth.frequency)).collect()
 }
 
 /// Error of spectra `W_0 … ` that `of` tells for every output dof.
-fn error(scene: &Scene, truth: &Truth, of: impl Fn(usize) -> Vec<Complex64>) -> f64 {
-    let spectra: Vec<Vec<Complex64>> = scene.problem().output.iter().map(|dof| of(*dof)).collect();
+fn error(problem: &Problem, truth: &Truth, of: impl Fn(usize) -> Vec<Complex64>) -> f64 {
+    let spectra: Vec<Vec<Complex64>> = problem.output.iter().map(|dof| of(*dof)).collect();
     let orders: Vec<usize> = (0..spectra.iter().map(Vec::len).max().unwrap_or(0)).collect();
     let rows: Vec<&[Complex64]> = spectra.iter().map(Vec::as_slice).collect();
     truth.spectrum_error(&orders, &rows)
 }
 
 fn stepping(
-    scene: &Scene,
+    problem: &Problem,
     truths: &[Truth],
     steps: usize,
     patience: &Patience,
     mut blank: Measurement,
 ) -> Measurement {
-    let systems = systems(scene, truths);
+    let systems = systems(problem, truths);
     let settings = SteppingSettings { steps, tolerance: REPEATS, most_periods: MOST_PERIODS };
     let mut motions: Vec<Option<Stepped>> = Vec::new();
     let timed = patience.time(|| {
@@ -122,7 +123,7 @@ fn stepping(
     });
     let errors = truths.iter().zip(&motions).map(|(truth, motion)| {
         motion.as_ref().map_or(f64::INFINITY, |motion| {
-            error(scene, truth, |dof| motion.spectrum(dof, motion.displacement.len()))
+            error(problem, truth, |dof| motion.spectrum(dof, motion.displacement.len()))
         })
     });
     let solved = || motions.iter().flatten();
@@ -135,10 +136,10 @@ fn stepping(
 /// Harmonics of an orbit that are compared with the truth, itself an orbit: what lies beyond is no truncation.
 const COMPARED: usize = 128;
 
-fn orbit_errors(scene: &Scene, truths: &[Truth], orbits: &[Option<Orbit>]) -> Vec<f64> {
+fn orbit_errors(problem: &Problem, truths: &[Truth], orbits: &[Option<Orbit>]) -> Vec<f64> {
     let one = |(truth, orbit): (&Truth, &Option<Orbit>)| {
         let Some(orbit) = orbit else { return f64::INFINITY };
-        let dofs = scene.problem().output.iter().zip(&truth.dofs);
+        let dofs = problem.output.iter().zip(&truth.dofs);
         let error = |(dof, known): (&usize, &TrueDof)| {
             let found = orbit.spectrum(*dof, COMPARED);
             let square: f64 = found.iter().zip(&known.spectrum).map(|(a, b)| (a - b).norm_sqr()).sum();
@@ -149,26 +150,26 @@ fn orbit_errors(scene: &Scene, truths: &[Truth], orbits: &[Option<Orbit>]) -> Ve
     truths.iter().zip(orbits).map(one).collect()
 }
 
-fn orbit(scene: &Scene, truths: &[Truth], patience: &Patience, blank: Measurement) -> Measurement {
-    let systems = systems(scene, truths);
+fn orbit(problem: &Problem, truths: &[Truth], patience: &Patience, blank: Measurement) -> Measurement {
+    let systems = systems(problem, truths);
     let settings = orbit::Settings::default();
     let mut orbits = Vec::new();
     let timed = patience.time(|| {
         let find = |(system, truth): (&System, &Truth)| orbit::find(system, truth.frequency, &settings).ok();
         orbits = systems.iter().zip(truths).map(find).collect();
     });
-    blank.judged(orbit_errors(scene, truths, &orbits), timed)
+    blank.judged(orbit_errors(problem, truths, &orbits), timed)
 }
 
 fn orbit_from_balance(
-    scene: &Scene,
+    problem: &Problem,
     truths: &[Truth],
     patience: &Patience,
     mut blank: Measurement,
 ) -> Result<Measurement, StudyError> {
     let Some(settings) = blank.method.settings() else { return Ok(blank) };
-    let systems = systems(scene, truths);
-    let mut problem = scene.problem().clone();
+    let systems = systems(problem, truths);
+    let mut problem = problem.clone();
     problem.output = (0..problem.model.dofs()).collect();
     let plan = Plan::new(&problem, &settings)?;
     let mut workspace = plan.workspace();
@@ -184,5 +185,5 @@ fn orbit_from_balance(
         }
     });
     blank.harmonics = settings.harmonics as f64;
-    Ok(blank.judged(orbit_errors(scene, truths, &orbits), timed))
+    Ok(blank.judged(orbit_errors(&problem, truths, &orbits), timed))
 }
