@@ -36,11 +36,11 @@ impl Homotopy {
     pub(crate) const NONE: Self = Self { contact: 1.0, excitation: 1.0, secant: 0.0, stretch: 1.0 };
 }
 
-/// Change of one harmonic of a contact force by the real and by the imaginary part of one harmonic of the displacement.
-pub(crate) type Block = (c64, c64);
-
 /// A rung of a ladder has at most so many times the harmonics of the one below, and one more.
 const LADDER_STEP: usize = 2;
+
+/// Change of one harmonic of a contact force by the real and by the imaginary part of one harmonic of the displacement.
+pub(crate) type Block = (c64, c64);
 
 /// Up to so many harmonics the product of two spectra is faster by its definition than by transforms.
 const DIRECT: usize = 24;
