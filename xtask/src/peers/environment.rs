@@ -67,6 +67,8 @@ impl Environment {
         let status = Command::new(self.python())
             .arg(self.scripts.join(format!("{script}.py")))
             .args([&request, &answer])
+            // pyHarm leaves a folder where it runs.
+            .current_dir(&self.folder)
             // One thread, as on the other side, and no files among the sources.
             .env("OMP_NUM_THREADS", "1")
             .env("OPENBLAS_NUM_THREADS", "1")
