@@ -1,5 +1,6 @@
 //! A strip of masses and springs with friction along it: three masses across, springs to all neighbours, its short edge
 //! held.
+#![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
 
