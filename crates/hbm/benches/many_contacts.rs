@@ -2,6 +2,8 @@
 //!
 //! `cargo bench -p stickslip-hbm`. Planned and warm, one output dof, one thread.
 
+#![allow(clippy::unwrap_used)]
+
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_main};
