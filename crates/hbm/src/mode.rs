@@ -108,7 +108,7 @@ const STARTS: usize = 13;
 /// for a static preload, which acts.
 ///
 /// # Errors
-/// As [`Plan::new`]; or the reference dof, the mode or the amplitudes make no sense.
+/// As [`Plan::new`](crate::Plan::new); or the reference dof, the mode or the amplitudes make no sense.
 pub fn nonlinear_mode(
     problem: &Problem,
     settings: &Settings,
