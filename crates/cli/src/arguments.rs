@@ -9,7 +9,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Harmonics, Scene};
 
-pub use studies::{ContinueArguments, OrbitArguments, Quantity, StudyArguments, TruncationArguments};
+pub use studies::{
+    BackboneArguments, ContinueArguments, OrbitArguments, Quantity, StudyArguments, TruncationArguments,
+};
 
 use crate::ending::Failure;
 use crate::progress::Waiting;
@@ -22,6 +24,7 @@ Examples:
   stickslip explain two-mass.json                  what this scene needs, what it leaves out, and why
   stickslip truncation two-mass.json               how many harmonics it needs
   stickslip orbit scene.json --frequency 57        the exact periodic motion at 57 Hz
+  stickslip backbone scene.json                    natural frequency and damping against amplitude
   stickslip study damper.json -o peaks.csv         a grid over entries of a scene
   stickslip loop fit record.csv                    what is in a measured loop
   stickslip loop scale loops/*.csv                 how loops scale with their amplitude
@@ -62,6 +65,9 @@ pub enum Command {
     /// Follow the response as a curve, through its folds
     #[command(after_help = studies::CONTINUE)]
     Continue(ContinueArguments),
+    /// Follow a damped nonlinear mode: natural frequency and damping against amplitude
+    #[command(after_help = studies::BACKBONE)]
+    Backbone(BackboneArguments),
     /// Solve a scene over a grid of its entries: peaks against excitation, normal load, harmonics
     #[command(after_help = studies::STUDY)]
     Study(StudyArguments),

@@ -6,7 +6,7 @@ use contact::identification::Identification;
 #[cfg(feature = "plot")]
 use contact::identification::Magnitude;
 use hysteresis::{Fit, Record};
-use scene::{CurveOutcome, Scene, Solved};
+use scene::{BackboneOutcome, CurveOutcome, Scene, Solved};
 use study::Truncation;
 
 use crate::ending::Failure;
@@ -189,6 +189,25 @@ pub fn curve(figure: Figure, curve: &CurveOutcome) -> Result<(), Failure> {
 
 #[cfg(not(feature = "plot"))]
 pub fn curve(figure: Figure, _: &CurveOutcome) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
+}
+
+/// Draws natural frequency and damping ratio over the amplitude.
+#[cfg(feature = "plot")]
+pub fn backbone(figure: Figure, mode: &BackboneOutcome) -> Result<(), Failure> {
+    use plot::{BackbonePlot, write_backbone};
+
+    let drawing = BackbonePlot {
+        title: format!("{}, mode {}", mode.scene, mode.mode),
+        amplitude: format!("|W_1| of {}", mode.dof),
+        points: mode.points.iter().map(|p| (p.amplitude, p.point.frequency, p.damping_ratio)).collect(),
+        expected: mode.expected.map(|e| (e.amplitude, e.natural_frequency, e.damping_ratio)),
+    };
+    write_backbone(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn backbone(figure: Figure, _: &BackboneOutcome) -> Result<(), Failure> {
     Err(unwritable(&figure.0, "this build draws no pictures"))
 }
 

@@ -1,6 +1,7 @@
 //! The `stickslip` command line: one command a file, one result mapped to one exit code.
 
 mod arguments;
+mod backbone;
 mod check;
 mod continuation;
 mod ending;
@@ -54,6 +55,7 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Truncation(arguments) => truncation::run(arguments),
         Command::Orbit(arguments) => orbit::run(arguments),
         Command::Continue(arguments) => continuation::run(arguments),
+        Command::Backbone(arguments) => backbone::run(arguments),
         Command::Study(arguments) => study::run(arguments),
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
         Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),

@@ -41,6 +41,8 @@ pub(crate) struct State {
     pub(crate) omega: f64,
     pub(crate) zeta: f64,
     pub(crate) residual: f64,
+    /// Newton steps it took.
+    pub(crate) steps: usize,
 }
 
 /// The balance of a free motion, and its buffers.
@@ -180,8 +182,8 @@ impl FreeMotion {
             let kept = if entry / width == first { turn } else { c64::ZERO };
             self.ws.unknowns[entry] *= kept;
         }
-        let start = State { motion: self.motion(), omega, zeta, residual: f64::INFINITY };
-        self.solve(amplitude, start).map(|(state, _)| state)
+        let start = State { motion: self.motion(), omega, zeta, residual: f64::INFINITY, steps: 0 };
+        self.solve(amplitude, start)
     }
 
     /// û in m.
@@ -236,8 +238,8 @@ impl FreeMotion {
         Some(above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * DIFFERENCE)).collect())
     }
 
-    /// Newton's method at amplitude `amplitude`, and how many steps it took.
-    pub(crate) fn solve(&mut self, amplitude: f64, start: State) -> Option<(State, usize)> {
+    /// Newton's method at amplitude `amplitude`.
+    pub(crate) fn solve(&mut self, amplitude: f64, start: State) -> Option<State> {
         let mut state = start;
         let mut last = f64::INFINITY;
         for step in 0..STEPS {
@@ -250,7 +252,8 @@ impl FreeMotion {
             if state.residual <= TOLERANCE && pinned_off <= TOLERANCE
                 || state.residual <= FLOOR && pinned_off <= FLOOR && last <= FLOOR
             {
-                return Some((state, step));
+                state.steps = step;
+                return Some(state);
             }
             let correction = self.correction(&by_omega, &by_zeta, amplitude, &state)?;
             // A step that leaves the neighbourhood is cut: ω and ζ must stay what they are.

@@ -25,7 +25,7 @@ use crate::error::PlanError;
 use crate::free_motion::{FreeMotion, State};
 use crate::problem::{ExcitationKind, Problem};
 use crate::settings::Settings;
-use crate::solution::{Solution, Status};
+use crate::solution::{Solution, Stats, Status};
 
 /// The linear structure from which a mode is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -94,6 +94,8 @@ pub struct NonlinearMode {
     pub points: Vec<ModePoint>,
     /// How it ended.
     pub end: ModeEnd,
+    /// Harmonics of the natural frequency, one a column of every spectrum.
+    pub orders: Vec<usize>,
 }
 
 /// Shortest step in ln A.
@@ -113,6 +115,7 @@ pub fn nonlinear_mode(
     options: &ModeOptions,
 ) -> Result<NonlinearMode, PlanError> {
     let mut motion = FreeMotion::new(problem, settings, options)?;
+    let orders = motion.plan.orders().to_vec();
     let (low, high) = options.amplitudes;
     let range = (high / low).ln();
     let longest = range / (options.points.max(2) - 1) as f64;
@@ -130,7 +133,7 @@ pub fn nonlinear_mode(
         }
     }
     let Some(first) = found.first().cloned() else {
-        return Ok(NonlinearMode { points: Vec::new(), end: ModeEnd::NoStart });
+        return Ok(NonlinearMode { points: Vec::new(), end: ModeEnd::NoStart, orders });
     };
     let mut end = ModeEnd::Reached;
     for way in [high.ln(), low.ln()] {
@@ -142,7 +145,7 @@ pub fn nonlinear_mode(
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let points = found.iter().map(|(at, state)| point(problem, &mut motion, at.exp(), state)).collect();
-    Ok(NonlinearMode { points, end })
+    Ok(NonlinearMode { points, end, orders })
 }
 
 /// Follows the mode from `first` to amplitude e^`to`.
@@ -165,7 +168,8 @@ fn follow(
         let next = if apart.abs() <= 1.001 * step { to } else { here.0 + step * apart.signum() };
         let guess = guess(&here, before.as_ref(), next);
         match motion.solve(next.exp(), guess) {
-            Some((state, steps)) => {
+            Some(state) => {
+                let steps = state.steps;
                 found.push((next, state.clone()));
                 before = Some(std::mem::replace(&mut here, (next, state)));
                 step = (step * if steps <= 5 { 1.5 } else { 0.8 }).min(longest);
@@ -186,6 +190,7 @@ fn point(problem: &Problem, motion: &mut FreeMotion, amplitude: f64, state: &Sta
     // Without what excites the marker, recovered dofs move by contact forces alone.
     motion.ws.condensed.free_output.fill(c64::ZERO);
     let mut solution = Solution::empty(hertz, motion.plan.settings.harmonics);
+    motion.ws.stats = Stats { iterations: state.steps, ..Stats::default() };
     motion.plan.report(Status::Converged, residual, &mut motion.ws, &mut solution);
     let slot = motion.plan.first_slot().unwrap_or(0);
     let first: Vec<c64> =

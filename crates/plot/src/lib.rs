@@ -3,12 +3,13 @@
 //! The corridor: data → [`Chart`], one pair of boxed axes with its curves, drawn by kuva → [`sheet()`], charts side by
 //! side as one SVG → [`write()`], the SVG itself or a PNG by resvg with its own fonts, whole or not at all. The figures
 //! of the command line are ready-made: the forced response ([`Response`]), a measured loop ([`LoopPlot`]), the scaling
-//! laws ([`ScalingPlot`]), error against harmonics ([`TruncationPlot`]) , an orbit ([`OrbitPlot`])
+//! laws ([`ScalingPlot`]), error against harmonics ([`TruncationPlot`]), an orbit ([`OrbitPlot`]), a nonlinear mode ([`BackbonePlot`])
 //! and studies of one or two parameters ([`ParameterPlot`], [`HeatMap`]).
 //!
 //! The same data give the same bytes: no clock, no system fonts, no random ids.
 
 mod axis;
+mod backbone_plot;
 mod chart;
 mod curve_plot;
 mod heat_map;
@@ -25,6 +26,7 @@ mod sheet;
 mod truncation_plot;
 
 pub use axis::Axis;
+pub use backbone_plot::{BackbonePlot, write_backbone};
 pub use chart::{BOTTOM, BOTTOM_BARE, Chart, Curve, TOP};
 pub use curve_plot::{CurvePanel, CurvePlot, write_curve};
 pub use heat_map::{HeatMap, Parameter, write_heat_map};

@@ -19,6 +19,7 @@
 //! Every mistake in a scene is a [`SceneError`] with the path of the entry: `contacts[0].law.slip_force: must be
 //! positive, got -1`.
 
+mod backbone;
 mod contacts;
 mod curve;
 mod dofs;
@@ -52,12 +53,13 @@ mod structure;
 mod variants;
 
 pub use ::structure::Progress;
+pub use backbone::{BackboneOptions, BackboneOutcome, BackbonePoint, Expected};
 pub use curve::{Along, CurveOutcome, CurveOutcomePoint};
 pub use error::SceneError;
 pub use explain::Step;
 pub use frequencies::{BadFrequencies, Frequencies};
 pub use harmonics::{BadHarmonics, Harmonics};
-pub use hbm::{ContinuationOptions, Problem, SweepOptions as RunOptions};
+pub use hbm::{ContinuationOptions, Origin, Problem, SweepOptions as RunOptions};
 pub use layout::write_json;
 pub use outcome::{ContactPoint, Named, Outcome, Point, Spectrum, Timing};
 pub use reduction::ReductionFacts;

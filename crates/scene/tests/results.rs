@@ -149,6 +149,7 @@ fn a_point_without_a_solution_says_what_was_tried() {
         "homotopy in the excitation",
         "homotopy in the damping",
         "homotopy along its arc",
+        "start at rest",
         "perturbed starts",
         "detours over other frequencies",
     ];

@@ -134,7 +134,7 @@ fn mistakes_name_the_entry() {
         (with("/kep", json!("points")), "kep: unknown key; did you mean \"keep\"?"),
         (with("/harmonics", json!([1, 0])), "harmonics[1]: must be a whole number"),
         (with("/harmonics", json!([])), "harmonics: must not be empty"),
-        (with("/output", json!(["w3"])), "output: there is no dof \"w3\"; did you mean"),
+        (with("/output", json!(["w3"])), "output: there is no dof \"w3\" in model.dofs; did you mean"),
         (with("/scene", json!("missing.json")), "scene: cannot read "),
         (with("/frequencies", json!([-1])), "frequencies[0]: must not be negative"),
     ] {

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use scene::Frequencies;
+use scene::{Frequencies, Origin};
 
 use super::{FREQUENCIES, Format, SceneArguments, TableFormat, TextFormat};
 
@@ -140,6 +140,82 @@ pub struct ContinueArguments {
     /// Draw the curve, one panel a dof
     #[arg(long, value_name = "FILE.svg|.png")]
     pub plot: Option<PathBuf>,
+}
+
+pub const BACKBONE: &str = "\
+The structure moves freely in one of its modes; a negative damping proportional to the mass keeps the motion going, and \
+its size is the damping of the mode at that amplitude (the extended periodic motion concept). Of the excitation only a \
+static preload acts; its other parts say at which factor on them a forced response has its resonance at an amplitude, \
+which is a prediction from this mode alone: other modes near it are left out.
+
+Examples:
+  stickslip backbone elastic-coulomb.json                         the first mode, from all contacts stuck
+  stickslip backbone elastic-coulomb.json --from free --mode 2    the second, from large amplitudes
+  stickslip backbone elastic-coulomb.json --amplitudes 1e-6:1e-3 --harmonics 15 --plot backbone.svg
+  stickslip backbone elastic-coulomb.json -o backbone.csv";
+
+/// `stickslip backbone`.
+#[derive(Debug, Args)]
+pub struct BackboneArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Which mode, counted from one in the order of frequencies
+    #[arg(long, value_name = "R", default_value = "1")]
+    pub mode: NonZeroUsize,
+    /// The linear structure whose modes are counted and from which the mode is followed
+    #[arg(long, value_enum, default_value = "stuck")]
+    pub from: From,
+    /// The dof whose amplitude is given [default: the first that is excited]
+    #[arg(long, value_name = "NAME")]
+    pub dof: Option<String>,
+    /// Smallest and largest amplitude |W_1| of that dof in m [default: 0.1 to 1000 times where a contact begins to slip]
+    #[arg(long, value_name = "FROM:TO", value_parser = amplitudes)]
+    pub amplitudes: Option<(Option<f64>, Option<f64>)>,
+    /// Points wanted, evenly over the logarithm of the amplitude; more where the mode changes fast
+    #[arg(long, value_name = "POINTS", default_value = "100", value_parser = clap::value_parser!(u16).range(2..))]
+    pub points: u16,
+    /// Form of the answer [default: by the extension of -o, text to a terminal, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<TableFormat>,
+    /// Write the answer to FILE, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Draw natural frequency and damping ratio over the amplitude
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub plot: Option<PathBuf>,
+}
+
+/// From where a mode is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum From {
+    /// All contacts stuck: from small amplitudes
+    Stuck,
+    /// Without contacts: from large amplitudes
+    Free,
+}
+
+impl From {
+    /// The same in the terms of the library.
+    pub fn origin(self) -> Origin {
+        match self {
+            Self::Stuck => Origin::Stuck,
+            Self::Free => Origin::Free,
+        }
+    }
+}
+
+/// FROM:TO, either of which may be left out.
+fn amplitudes(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
+    let wrong = || "write two growing positive numbers of m, for example 1e-6:1e-3".to_owned();
+    let (from, to) = text.split_once(':').ok_or_else(wrong)?;
+    let end = |text: &str| match text.trim() {
+        "" => Ok(None),
+        text => text.parse().ok().filter(|a: &f64| *a > 0.0 && a.is_finite()).map(Some).ok_or_else(wrong),
+    };
+    match (end(from)?, end(to)?) {
+        (Some(from), Some(to)) if from >= to => Err(wrong()),
+        ends => Ok(ends),
+    }
 }
 
 pub const STUDY: &str = "\
