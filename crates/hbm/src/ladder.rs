@@ -59,11 +59,6 @@ impl Plan {
         let task = Task { criteria, ..self.task(rung, slots, homotopy, &ws.point) };
         let outcome = newton::solve(&task, &mut ws.unknowns, &mut ws.balance[rung], &mut ws.newton);
         ws.stats.iterations += outcome.iterations;
-        if std::env::var("TR").is_ok() {
-            let h = &ws.newton.history;
-            let h: Vec<String> = h.iter().map(|x| format!("{x:.0e}")).collect();
-            eprintln!("  rung {rung} it {} conv {} [{}]", outcome.iterations, outcome.converged, h.join(" "));
-        }
         outcome
     }
 
@@ -234,10 +229,11 @@ impl Plan {
         self.contacts.iter().all(|c| !self.exact || c.law.piecewise_linear().is_none())
     }
 
-    /// As [`Plan::extend`], with the forces that rung `below` ended with.
+    /// As [`Plan::extend`], with the forces that rung `below` ended with, and against the secant stiffness of the contact.
     fn extend_from(&self, below: usize, from: usize, to: usize, ws: &mut Workspace) {
         let width = ws.point.width();
         let known = self.rungs[below].transform.samples();
+        let first = self.first_slot().filter(|slot| *slot < from);
         for entry in from * width..to * width {
             let slot = entry / width;
             if 2 * self.harmonics.reduced[slot] >= known || slot > 2 * from {
@@ -247,7 +243,8 @@ impl Plan {
             let forces = &ws.balance[below].forces[slot * width..(slot + 1) * width];
             let row = &ws.point.receptance[entry * width..(entry + 1) * width];
             let pull: c64 = row.iter().zip(forces).map(|(g, force)| g * force).sum();
-            ws.unknowns[entry] = (ws.point.free[entry] - pull) * ws.point.weight[entry];
+            let yields = ws.point.yields(entry, first, &ws.balance[below].forces, &ws.unknowns);
+            ws.unknowns[entry] = (ws.point.free[entry] - pull) * (ws.point.weight[entry] * yields);
         }
     }
 

@@ -43,8 +43,12 @@ const FAST: f64 = 0.15;
 /// Shortest step of the line search.
 const SHORTEST: f64 = 1.0 / 1024.0;
 
+/// A step that leaves no more than this of the residual is taken. What leaves more must pass the natural test as well where a
+/// factorisation is at hand: the residual of a loop with rounded tips falls slowly along ways that lead nowhere.
+const CLEARLY: f64 = 0.3;
+
 /// Steps over which the rate of convergence is judged.
-const RATE_WINDOW: usize = 5;
+const RATE_WINDOW: usize = 12;
 
 /// Real unknowns for which a factorisation has room from the start. More are made room for when they are met: with a
 /// slaved tail they hardly ever are.
@@ -187,7 +191,7 @@ pub(crate) fn solve(
         let accepted = loop {
             apply_step(task, unknowns, newton, lambda);
             match balance.evaluate(point, *slots, *homotopy, &newton.trial, buffers) {
-                Ok(trial) if trial <= (1.0 - 1e-4 * lambda) * norm => break Some(trial),
+                Ok(trial) if trial <= enough(newton, done, lambda) * norm => break Some(trial),
                 Ok(trial) if !done && closer(task, buffers, newton, length, lambda) => break Some(trial),
                 Ok(_) => {}
                 Err(error) => law_error = Some(error),
@@ -222,6 +226,11 @@ pub(crate) fn solve(
         residual,
         law_error,
     }
+}
+
+/// The share of the residual that a step of `lambda` may leave without a look at the natural test.
+fn enough(newton: &NewtonBuffers, done: bool, lambda: f64) -> f64 {
+    if done || newton.iterated { 1.0 - 1e-4 * lambda } else { CLEARLY }
 }
 
 /// The relative residual that rounding leaves at the motion of the last evaluation.

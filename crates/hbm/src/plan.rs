@@ -234,7 +234,7 @@ impl Plan {
         let rung = |n: usize, least: usize| {
             let asked = contacts.iter().map(|c| needed(c, n)).max().unwrap_or(0);
             // A rung on the way is left before its sampling error counts.
-            let asked = if on_the_way(n) && sampled(&contacts, exact) { asked / 2 } else { asked };
+            let asked = if on_the_way(n) && sampled(&contacts, exact) { asked / 4 } else { asked };
             let samples = settings.samples.unwrap_or(asked).max(4 * (n + 1)).max(least).next_power_of_two();
             Rung { order: n, slots: harmonics.up_to(n), transform: Transform::new(samples) }
         };

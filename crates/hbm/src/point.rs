@@ -149,6 +149,16 @@ impl Point {
         if order == 0 { c64::from(stiffness.re) } else { stiffness }
     }
 
+    /// `1/(1 + Ĝ K̂)`: how far a harmonic follows what drives it where the contact answers with the secant stiffness
+    /// K̂ = F̂_1/û_1 of the harmonic in slot `first`; one where that is not known, and where it would follow farther.
+    pub(crate) fn yields(&self, entry: usize, first: Option<usize>, forces: &[c64], unknowns: &[c64]) -> c64 {
+        let width = self.width();
+        let Some(reference) = first.map(|slot| slot * width + entry % width) else { return c64::ONE };
+        let stiffness = forces[reference] / unknowns[reference];
+        let resistance = 1.0 + self.receptance[entry * width + entry % width] * stiffness;
+        if resistance.is_finite() && resistance.norm_sqr() > 1.0 { resistance.inv() } else { c64::ONE }
+    }
+
     /// Number of active contacts.
     pub(crate) fn width(&self) -> usize {
         self.active.len()
