@@ -74,8 +74,8 @@ struct Options {
     /// Slip force of all contacts of a blade together in N.
     #[arg(long, default_value_t = 5.0)]
     slip_force: f64,
-    /// Amplitude of the force on each blade in N.
-    #[arg(long, default_value_t = 1.0)]
+    /// Amplitude of the force on each blade in N; left out for a ring: 50, as less does not make its contacts slip.
+    #[arg(long, default_value_t = 1.0, default_value_if("kind", "ring", "50"))]
     force: f64,
     /// Waves around a ring with which the forces travel; left out: an eighth of the sectors.
     #[arg(long)]

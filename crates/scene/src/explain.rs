@@ -164,6 +164,10 @@ fn reduction(prepared: &Prepared) -> Step {
     let kept = key.keep.len();
     let reach =
         reduction.fixed_frequencies.last().map_or(String::new(), |hertz| format!(" up to {hertz:.4e} Hz"));
+    let shapes = match reduction.modes - reduction.fixed_frequencies.len() {
+        0 => String::new(),
+        count => format!(" and {count} static shapes for the inertia of higher ones"),
+    };
     let error = match reduction.error {
         None => String::new(),
         Some(error) => {
@@ -183,8 +187,8 @@ fn reduction(prepared: &Prepared) -> Step {
         true,
         format!(
             "{dofs}, {nonzeros} nonzeros in the stiffness: the {kept} of contacts, excitation and output are kept, {} \
-             modes{reach} with these held stand for the others{error}",
-            reduction.modes
+             modes{reach} with these held{shapes} stand for the others{error}",
+            reduction.fixed_frequencies.len()
         ),
     )
 }

@@ -19,6 +19,7 @@ use crate::modes::{Lanczos, Modes, Wanted};
 use crate::pencil::{Pencil, entries, transpose_times};
 use crate::receptance_error::Comparison;
 use crate::reduction::{ModeCount, Progress, Reduction, ReductionError, ReductionOptions};
+use crate::residual_shapes::ResidualShapes;
 use crate::sparse::{SparseDamping, SparseModel};
 
 /// Dofs of a reduced structure, as a rule: beyond, dense matrices cost more than the sparse ones did.
@@ -27,7 +28,7 @@ const LARGEST: usize = 2000;
 /// Modes that the cap leaves even to a structure with many kept dofs.
 const FEWEST: usize = 100;
 
-/// First guess of the frequency up to which modes are kept, as a multiple of the highest of the response.
+/// Frequency up to which all modes are kept, as a multiple of the highest of the response.
 const CUT: f64 = 1.5;
 
 /// Memory that a reduction may take.
@@ -49,9 +50,10 @@ struct Partition {
 /// since; the reduced model carries TᵀM r. Rayleigh damping stays Rayleigh damping, a matrix D becomes TᵀDT, and a modal ratio is given to every mode of the reduced
 /// structure.
 ///
-/// Modes are those with the kept dofs held, all of them up to a frequency (counted by the inertia of C − λM). With
-/// [`ModeCount::Automatic`] that frequency rises until the error is within the tolerance, further modes do not help, or
-/// the reduced structure has about 2000 dofs; the error that is left is in the result.
+/// Modes are those with the kept dofs held, the lowest so many (checked by the inertia of C − λM). With
+/// [`ModeCount::Automatic`] they are all up to 1.5 times the highest frequency, and static shapes for the inertia that
+/// they leave come next to them until the error is within the tolerance, further shapes do not help, or the reduced
+/// structure has about 2000 dofs; the error that is left is in the result.
 ///
 /// # Errors
 /// [`ReductionError`] for dofs, motions, options or matrices that make no sense, for an inner structure that is
@@ -68,7 +70,7 @@ pub fn reduce(
     let partition = Partition::new(n, keep);
     let base = Mat::from_fn(n, base_loads.len(), |i, k| base_loads[k][i]);
     if partition.inner.is_empty() {
-        let shapes = partition.shapes(keep, &Mat::new(), &Mat::new());
+        let shapes = partition.shapes(keep, &[]);
         let model = project(model, &shapes, &base)?;
         return Ok(Reduction {
             model,
@@ -90,20 +92,36 @@ pub fn reduce(
     let mut lanczos = Lanczos::new(&pencil, &factor, shift)?;
 
     let most = LARGEST.saturating_sub(keep.len()).max(FEWEST);
-    let mut wanted = match options.modes {
+    let wanted = match options.modes {
         ModeCount::Exactly(count) => Wanted::Lowest(count),
         ModeCount::Automatic { .. } => match below(&pencil, &plan, (TAU * CUT * options.highest).powi(2))? {
             (_, count) if count > most => Wanted::Lowest(most),
             (limit, count) => Wanted::Below { limit, count },
         },
     };
+    let modes = find(&pencil, &plan, &mut lanczos, wanted, progress)?;
+    drop(lanczos);
+    let fixed_frequencies = modes.squares.iter().map(|square| square.max(0.0).sqrt() / TAU).collect();
+    let damping = match &model.damping {
+        SparseDamping::Matrix(damping) => {
+            Some(damping.transpose().to_col_major().map_err(|_| ReductionError::Memory)?)
+        }
+        _ => None,
+    };
+    let omega = TAU * options.highest;
+    let dynamic =
+        Dynamic { partition: &partition, mass: &model.mass, damping, reach: (omega * omega - shift, omega) };
     let mut comparison: Option<Comparison> = None;
-    let (mut previous, mut stale) = (None, 0);
+    let mut residuals: Option<ResidualShapes> = None;
+    let (mut smallest, mut stale) = (f64::INFINITY, 0);
     loop {
-        let modes = find(&pencil, &plan, &mut lanczos, wanted, progress)?;
-        let count = modes.squares.len();
+        let residual = match &residuals {
+            Some(residuals) => residuals.taken(most.saturating_sub(modes.squares.len()))?,
+            None => Mat::zeros(partition.inner.len(), 0),
+        };
+        let count = modes.squares.len() + residual.ncols();
         fits(plan.len() + n * (keep.len() + 4 * count))?;
-        let shapes = partition.shapes(keep, &constraint, &modes.shapes);
+        let shapes = partition.shapes(keep, &[&constraint, &modes.shapes, &residual]);
         let reduced = project(model, &shapes, &base)?;
         drop(shapes);
         let checked_at = if keep.is_empty() {
@@ -116,25 +134,28 @@ pub fn reduce(
             comparison.errors(&reduced)?
         };
         let error = checked_at.iter().map(|&(_, error)| error).reduce(f64::max);
-        if let (ModeCount::Automatic { tolerance }, Some(error)) = (options.modes, error) {
-            let (count_before, error_before) = previous.unwrap_or((usize::MAX, f64::INFINITY));
-            stale = if error < 0.8 * error_before { 0 } else { stale + 1 };
-            let ended = error <= tolerance || stale == 3 || count == count_before || count >= most;
-            if !ended {
-                previous = Some((count, error));
-                let growth = (1.1 * (error / tolerance).powf(0.6)).clamp(1.25, 4.0);
-                wanted = Wanted::Lowest(((count as f64 * growth) as usize + 4).min(most));
+        if let (ModeCount::Automatic { tolerance }, Some(error), Some(comparison)) =
+            (options.modes, error, &comparison)
+            && error > tolerance
+            && count < most
+        {
+            stale = if error < 0.8 * smallest { 0 } else { stale + 1 };
+            smallest = smallest.min(error);
+            let residuals = match &mut residuals {
+                Some(residuals) => residuals,
+                none => {
+                    let forces = dynamic.first(keep, &constraint, &base, &factor, comparison.scale())?;
+                    none.insert(ResidualShapes::new(&pencil, &factor, forces))
+                }
+            };
+            let forces = |shapes: &Mat<f64>| dynamic.forces(&partition.shapes(&[], &[shapes]));
+            // Where little came of it, larger steps.
+            let fall = tolerance / error * 0.1_f64.powi(stale);
+            if stale < 4 && residuals.more(&modes, fall, &forces)? {
                 continue;
             }
         }
-        return Ok(Reduction {
-            model: reduced,
-            modes: count,
-            fixed_frequencies: modes.squares.iter().map(|square| square.max(0.0).sqrt() / TAU).collect(),
-            shift,
-            error,
-            checked_at,
-        });
+        return Ok(Reduction { model: reduced, modes: count, fixed_frequencies, shift, error, checked_at });
     }
 }
 
@@ -189,18 +210,21 @@ impl Partition {
         Self { inner, place }
     }
 
-    /// T with one row a dof of the full structure.
-    fn shapes(&self, keep: &[usize], constraint: &Mat<f64>, modes: &Mat<f64>) -> Mat<f64> {
-        let mut shapes = Mat::zeros(self.place.len(), keep.len() + modes.ncols());
+    /// T with one row a dof of the full structure; `parts` are constraint modes and modes of the inner dofs.
+    fn shapes(&self, keep: &[usize], parts: &[&Mat<f64>]) -> Mat<f64> {
+        let columns = parts.iter().map(|part| part.ncols()).sum::<usize>().max(keep.len());
+        let mut shapes = Mat::zeros(self.place.len(), columns);
         for (column, &dof) in keep.iter().enumerate() {
             shapes[(dof, column)] = 1.0;
         }
-        for (first, part) in [(0, constraint), (keep.len(), modes)] {
+        let mut first = 0;
+        for part in parts {
             for column in 0..part.ncols() {
                 for (position, &dof) in self.inner.iter().enumerate() {
                     shapes[(dof, first + column)] = part[(position, column)];
                 }
             }
+            first += part.ncols();
         }
         shapes
     }
@@ -265,6 +289,64 @@ fn constraint_modes(
     }
     factor.solve(shapes.as_mut())?;
     Ok(shapes)
+}
+
+/// What brings shapes about that the static ones miss.
+struct Dynamic<'a> {
+    partition: &'a Partition,
+    mass: &'a SparseColMat<usize, f64>,
+    /// Dᵀ, where damping is a matrix.
+    damping: Option<SparseColMat<usize, f64>>,
+    /// z = ω² − σ and ω.
+    reach: (f64, f64),
+}
+
+impl Dynamic<'_> {
+    /// z M u of the inner dofs, and ω D u next to it; u has one row a dof of the full structure.
+    fn forces(&self, motions: &Mat<f64>) -> Mat<f64> {
+        let (columns, (z, omega)) = (motions.ncols(), self.reach);
+        let inertia = transpose_times(self.mass, motions.as_ref());
+        let damping = self.damping.as_ref().map(|damping| transpose_times(damping, motions.as_ref()));
+        let all = columns + damping.as_ref().map_or(0, |damping| damping.ncols());
+        Mat::from_fn(self.partition.inner.len(), all, |i, j| {
+            let dof = self.partition.inner[i];
+            match &damping {
+                Some(damping) if j >= columns => omega * damping[(dof, j - columns)],
+                _ => z * inertia[(dof, j)],
+            }
+        })
+    }
+
+    /// F₁ of the residual shapes: forces of the kept dofs' static shapes, and the base loads, each of unit energy.
+    fn first(
+        &self,
+        keep: &[usize],
+        constraint: &Mat<f64>,
+        base: &Mat<f64>,
+        factor: &Factor<'_>,
+        scale: &[f64],
+    ) -> Result<Mat<f64>, ReductionError> {
+        let mut motions = self.partition.shapes(keep, &[constraint]);
+        for (j, scale) in scale.iter().enumerate() {
+            let mut motion = motions.as_mut().col_mut(j);
+            motion /= *scale;
+        }
+        let mut loads =
+            Mat::from_fn(self.partition.inner.len(), base.ncols(), |i, j| base[(self.partition.inner[i], j)]);
+        let mut shapes = loads.clone();
+        factor.solve(shapes.as_mut())?;
+        for j in 0..loads.ncols() {
+            let energy = loads.col(j).transpose() * shapes.col(j);
+            if energy > 0.0 {
+                let mut load = loads.as_mut().col_mut(j);
+                load /= energy.sqrt();
+            }
+        }
+        let mut forces = self.forces(&motions);
+        let before = forces.ncols();
+        forces.resize_with(loads.nrows(), before + loads.ncols(), |i, j| loads[(i, j - before)]);
+        Ok(forces)
+    }
 }
 
 /// The number of eigenvalues below `limit`, which moves a little if it hits one.

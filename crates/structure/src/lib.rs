@@ -19,6 +19,7 @@ mod npz;
 mod pencil;
 mod receptance_error;
 mod reduction;
+mod residual_shapes;
 mod sparse;
 mod triangle;
 

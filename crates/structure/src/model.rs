@@ -1,6 +1,7 @@
 //! The linear structure: mass, damping and stiffness.
 
-use faer::{Mat, MatRef, Side};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par, Side};
 
 use crate::error::ModelError;
 
@@ -226,7 +227,7 @@ impl Modes {
             let omega: Vec<f64> = values.iter().map(|v| v.max(0.0).sqrt()).collect();
             let momenta = mass * &vectors;
             let weight = |r: usize| 2.0 * omega.get(r).copied().unwrap_or(0.0);
-            let unit_damping = weighted_square(&momenta, weight, n);
+            let unit_damping = weighted_square(&momenta, weight);
             return Some(Self { squares: values, shapes: vectors, unit_damping });
         }
         // M φ = μ C φ with φᵀ C φ = 1 and μ = 1/ω²: massless directions have μ = 0. M-normalised φ' = φ/√μ = ω φ.
@@ -238,7 +239,7 @@ impl Modes {
             Some(&mu) if !massless(mu) => 2.0 * mu.powf(-1.5),
             _ => 0.0,
         };
-        let unit_damping = weighted_square(&momenta, weight, n);
+        let unit_damping = weighted_square(&momenta, weight);
         let squares = values.iter().map(|&mu| if massless(mu) { f64::INFINITY } else { 1.0 / mu }).collect();
         let norm = |r: usize| values.get(r).filter(|mu| !massless(**mu)).map_or(0.0, |mu| mu.powf(-0.5));
         let shapes = Mat::from_fn(n, vectors.ncols(), |i, r| vectors[(i, r)] * norm(r));
@@ -246,8 +247,12 @@ impl Modes {
     }
 }
 
-fn weighted_square(columns: &Mat<f64>, weight: impl Fn(usize) -> f64, n: usize) -> Mat<f64> {
-    Mat::from_fn(n, n, |i, j| (0..n).map(|r| weight(r) * columns[(i, r)] * columns[(j, r)]).sum())
+/// Σ of weight(r) x_r x_rᵀ over the columns x_r.
+fn weighted_square(columns: &Mat<f64>, weight: impl Fn(usize) -> f64) -> Mat<f64> {
+    let weighted = Mat::from_fn(columns.nrows(), columns.ncols(), |i, r| weight(r) * columns[(i, r)]);
+    let mut square = Mat::zeros(columns.nrows(), columns.nrows());
+    matmul(square.as_mut(), Accum::Replace, weighted.as_ref(), columns.transpose(), 1.0, Par::Seq);
+    square
 }
 
 /// A φ = λ B φ with φᵀ B φ = 1, through the Cholesky factor of B; `None` when B is not positive definite.

@@ -277,7 +277,7 @@ fn normalise(block: &mut Mat<f64>, momenta: &mut Mat<f64>, before: &[f64]) -> (M
 }
 
 /// Eigenvalues, ascending, and eigenvectors of a symmetric matrix.
-fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), ReductionError> {
+pub(crate) fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), ReductionError> {
     let n = matrix.nrows();
     let mut values = Diag::<f64>::zeros(n);
     let mut vectors = Mat::zeros(n, n);

@@ -100,6 +100,11 @@ impl Comparison {
         Ok(Self { loads, scale, damped: damping.is_some(), answers })
     }
 
+    /// s_j of the kept dofs.
+    pub(crate) fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
     /// Frequency in Hz and error of a reduced structure.
     pub(crate) fn errors(&self, reduced: &Model) -> Result<Vec<(f64, f64)>, ReductionError> {
         let base = reduced.base_loads();

@@ -8,7 +8,8 @@ use crate::model::Model;
 /// How many modes a reduction keeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModeCount {
-    /// As many as it takes until the estimated error is at most `tolerance`.
+    /// All up to 1.5 times the highest frequency, and as many static shapes for the inertia of the others as it takes
+    /// until the estimated error is at most `tolerance`.
     Automatic {
         /// Relative error of the response of the kept dofs, see [`Reduction::error`].
         tolerance: f64,
@@ -31,11 +32,12 @@ pub struct ReductionOptions {
 /// A structure reduced onto some of its dofs.
 #[derive(Debug, Clone)]
 pub struct Reduction {
-    /// The reduced structure: first the kept dofs in the order they were given, then one coordinate a mode.
+    /// The reduced structure: first the kept dofs in the order they were given, then one coordinate a mode
+    /// or static shape.
     pub model: Model,
-    /// Number of modes.
+    /// Number of modes, static shapes for the inertia of further modes included.
     pub modes: usize,
-    /// Natural frequencies in Hz of the structure with the kept dofs held, of those modes, ascending. Zero for a motion
+    /// Natural frequencies in Hz of the structure with the kept dofs held, of its modes alone, ascending. Zero for a motion
     /// without stiffness.
     pub fixed_frequencies: Vec<f64>,
     /// Shift in rad²/s² of the constraint modes: zero, or negative when the structure with the kept dofs held is not
