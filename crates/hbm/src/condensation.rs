@@ -398,7 +398,9 @@ impl Structure {
         };
         let (contacts, outputs) = (into.contacts, into.outputs);
         let Condensed { modal: buffers, receptance, recovery, free, free_output, .. } = into;
-        if !modal.respond(self.orders[slot] as f64 * base, buffers) {
+        let Matrices::Dense { mass, damping, stiffness } = &self.matrices else { return false };
+        let omega = self.orders[slot] as f64 * base;
+        if !modal.respond(omega, buffers) {
             return false;
         }
         let [re, im] = &buffers.receptance;
@@ -425,9 +427,27 @@ impl Structure {
                 *entry = c64::new(re[(o, l)], im[(o, l)]);
             }
         }
-        let free = &mut free[slot * contacts..(slot + 1) * contacts];
-        modal.free(slot, base, buffers, free, &mut free_output[slot * outputs..(slot + 1) * outputs]);
-        true
+        let own = &mut free[slot * contacts..(slot + 1) * contacts];
+        modal.free(slot, base, buffers, own, &mut free_output[slot * outputs..(slot + 1) * outputs]);
+        // Contacts push where the excitation moves them, as hard as it takes to stop them; higher harmonics likewise.
+        let excited = self.loads.iter().position(|loads| !loads.is_empty()).filter(|first| *first <= slot);
+        let moved = excited.map(|first| &free[first * contacts..(first + 1) * contacts]);
+        let held = |l: usize| {
+            let own = receptance[(slot * contacts + l) * contacts + l];
+            moved
+                .and_then(|moved| moved.get(l))
+                .map_or(c64::ONE, |moved| if own == c64::ZERO { own } else { moved / own })
+        };
+        let pushes = self.contacts.iter().enumerate().flat_map(|(l, &(first, second))| {
+            let force = held(l);
+            [Some((first, force)), second.map(|second| (second, -force))].into_iter().flatten()
+        });
+        let loads = self.loads.get(slot).into_iter().flatten();
+        let excitation = loads.map(|load| {
+            let grown = if load.grows { base * base } else { 1.0 };
+            (load.dof, load.amplitude * grown)
+        });
+        modal.solves(omega, [mass, damping, stiffness], excitation.chain(pushes), buffers)
     }
 
     /// Responses of harmonic `slot` to a unit force at every contact and to the excitation.

@@ -29,6 +29,9 @@ const NEAR: f64 = 1e-4;
 /// Coupling between two modes, relative to √(h_r h_s), that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// Part of the terms of a dof's balance that may be left.
+const LEFT: f64 = 1e-11;
+
 /// Modes in a block, which are judged together.
 const BLOCK: usize = 4;
 
@@ -49,6 +52,8 @@ pub(crate) struct Modal {
     contacts: Mat<f64>,
     /// φ_r at the output dofs, likewise.
     outputs: Mat<f64>,
+    /// φ_r, one column a mode.
+    shapes: Mat<f64>,
     /// φ_rᵀ f of every slot, and the part of it that grows with Ω².
     loads: Vec<(Vec<c64>, Vec<c64>)>,
 }
@@ -61,6 +66,10 @@ pub(crate) struct ModalBuffers {
     /// The largest magnitude in each block.
     largest: Vec<f64>,
     scaled: Mat<f64>,
+    /// A motion, what is left of its balance, and the size of the terms.
+    motion: Vec<c64>,
+    left: Vec<c64>,
+    terms: Vec<f64>,
     pub(crate) receptance: [Mat<f64>; 2],
     pub(crate) recovery: [Mat<f64>; 2],
 }
@@ -72,6 +81,9 @@ impl ModalBuffers {
             answers: Vec::new(),
             largest: Vec::new(),
             scaled: Mat::new(),
+            motion: Vec::new(),
+            left: Vec::new(),
+            terms: Vec::new(),
             receptance: none(),
             recovery: none(),
         }
@@ -92,6 +104,9 @@ fn modes(mass: &Mat<f64>, stiffness: &Mat<f64>, shift: f64) -> Option<(Vec<f64>,
     solve_lower_triangular_in_place(factor.L(), half.as_mut(), Par::Seq);
     let mut whole = half.transpose().to_owned();
     solve_lower_triangular_in_place(factor.L(), whole.as_mut(), Par::Seq);
+    // Of a matrix far from one in size, faer's decomposition with vectors loses most digits.
+    let size = whole.norm_max().max(f64::MIN_POSITIVE);
+    let whole = Mat::from_fn(n, n, |i, j| 0.5 * (whole[(i, j)] + whole[(j, i)]) / size);
     let eigen = whole.self_adjoint_eigen(Side::Lower).ok()?;
     let mut shapes = eigen.U().to_owned();
     solve_upper_triangular_in_place(factor.L().transpose(), shapes.as_mut(), Par::Seq);
@@ -100,7 +115,7 @@ fn modes(mass: &Mat<f64>, stiffness: &Mat<f64>, shift: f64) -> Option<(Vec<f64>,
             shapes[(i, j)] *= scale;
         }
     }
-    Some((eigen.S().column_vector().iter().copied().collect(), shapes))
+    Some((eigen.S().column_vector().iter().map(|value| value * size).collect(), shapes))
 }
 
 /// Blocks of modes: `(first, end)`.
@@ -184,9 +199,50 @@ impl Modal {
                 contacts: Mat::from_fn(n, contacts.len(), |r, l| across(l, r)),
                 outputs: Mat::from_fn(n, outputs.len(), |r, o| shapes[(outputs[o], r)]),
                 loads: loads.iter().map(|loads| projected(loads, &shapes)).collect(),
+                shapes,
                 inertia,
             })
         })
+    }
+
+    /// Whether the sum over modes answered last solves the equations of motion under `forces` (dof, N): of every dof's balance
+    /// no more than a rounded part is left, also where hardly anything moves.
+    pub(crate) fn solves(
+        &self,
+        omega: f64,
+        [mass, damping, stiffness]: [&Mat<f64>; 3],
+        forces: impl Iterator<Item = (usize, c64)> + Clone,
+        into: &mut ModalBuffers,
+    ) -> bool {
+        let n = self.shapes.nrows();
+        let ModalBuffers { answers, motion, left, terms, .. } = into;
+        for buffer in [&mut *motion, &mut *left] {
+            buffer.clear();
+            buffer.resize(n, c64::ZERO);
+        }
+        terms.clear();
+        terms.resize(n, 0.0);
+        for (r, answer) in answers.iter().enumerate() {
+            let force: c64 = forces.clone().map(|(dof, force)| force * self.shapes[(dof, r)]).sum();
+            let amplitude = answer * force;
+            for (w, shape) in motion.iter_mut().zip(self.shapes.col(r).iter()) {
+                *w += amplitude * shape;
+            }
+        }
+        for (dof, force) in forces {
+            left[dof] -= force;
+            terms[dof] += force.norm();
+        }
+        let square = omega * omega;
+        for (j, w) in motion.iter().enumerate() {
+            let columns = stiffness.col(j).iter().zip(mass.col(j).iter()).zip(damping.col(j).iter());
+            for ((left, terms), ((c, m), d)) in left.iter_mut().zip(terms.iter_mut()).zip(columns) {
+                let entry = c64::new(c - square * m, omega * d);
+                *left += entry * w;
+                *terms += (c.abs() + square * m.abs() + omega * d.abs()) * w.norm();
+            }
+        }
+        left.iter().zip(terms.iter()).all(|(left, terms)| left.norm() <= LEFT * terms)
     }
 
     /// Receptance (lower triangle) and recovery at the angular frequency `omega`, real and imaginary parts; whether the modes
