@@ -343,7 +343,8 @@ impl DescribingFunction for ElasticCoulomb {
             return FirstHarmonic { force: Complex64::from(k * a), derivative: Complex64::from(k) };
         }
         let (part, rest) = (xc / a, 1.0 - xc / a);
-        let theta = 2.0 * part.sqrt().asin();
+        // Beside x_c, where θ* is nearly π, what is missing from π is known to more digits.
+        let theta = if part > 0.5 { PI - 2.0 * rest.sqrt().asin() } else { 2.0 * part.sqrt().asin() };
         let sine = 2.0 * (part * rest).sqrt();
         // 2θ − sin 2θ
         let lens =

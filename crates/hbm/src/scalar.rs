@@ -228,9 +228,13 @@ impl ScalarBalance<'_> {
 
     /// The slope may jump at a landmark: the node just beyond it. A root may lie in between.
     fn beyond_landmark(&self, node: Node, roots: &mut Vec<Root>) -> Node {
-        let beyond = self.node(node.a * (1.0 + 4.0 * f64::EPSILON));
+        let after = |steps: u32| self.node(node.a * (1.0 + f64::from(steps) * f64::EPSILON));
+        let beyond = after(4);
         if node.value * beyond.value <= 0.0 && beyond.value != 0.0 {
-            roots.push(self.root(node));
+            // Of the few numbers between them the one that balances best.
+            let between = [node, after(1), after(2), after(3), beyond];
+            let best = between.into_iter().min_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+            roots.push(self.root(best.unwrap_or(node)));
         }
         beyond
     }
@@ -295,8 +299,11 @@ impl ScalarBalance<'_> {
             let next = if inside { newton } else { 0.5 * (low.a + high.a) };
             let step = (next - here.a).abs();
             here = self.node(next);
-            // Of steps that shrink quadratically the next one, c³/s² or less, is known to be lost in rounding.
-            let settled = inside && step * step * step <= 0.5 * f64::EPSILON * next * before * before;
+            // Of steps that shrink quadratically the next one, c³/s² or less, is known to be lost in rounding. Beside a
+            // kink they do not, and the residual says so.
+            let settled = inside
+                && step * step * step <= 0.5 * f64::EPSILON * next * before * before
+                && here.value.abs() <= SETTLED * self.free;
             before = step;
             if here.value * low.value > 0.0 {
                 low = here;
@@ -314,6 +321,9 @@ impl ScalarBalance<'_> {
         roots.push(self.root(here));
     }
 }
+
+/// Relative residual of a root that needs no further step.
+const SETTLED: f64 = 1e-14;
 
 /// How often φ turns between two nodes, as far as the cubic through z and dz/da at both shows: z is smooth where
 /// |z| has a kink.
