@@ -92,6 +92,8 @@ pub(crate) struct Condensed {
     pub(crate) lent: Vec<c64>,
     /// Structural damping added to every dof, as a part of its own dynamic stiffness; for homotopies.
     pub(crate) added_damping: f64,
+    /// Sums over modes are not asked: a contact at rest is infinitely stiff, and sees digits that they do not have.
+    pub(crate) factored: bool,
     /// 2ζω in 1/s: this times the mass is taken off the damping, so that a free motion with that damping is periodic.
     pub(crate) self_excitation: f64,
     /// Whether the structure alone is singular, entry `[slot]`.
@@ -216,6 +218,11 @@ impl Structure {
         }
     }
 
+    /// Whether sums over modes may answer.
+    pub(crate) fn has_modes(&self) -> bool {
+        self.modal.is_some()
+    }
+
     /// Number of dofs.
     pub(crate) fn dofs(&self) -> usize {
         self.matrices.dofs()
@@ -241,6 +248,7 @@ impl Structure {
             free_output: vec![c64::ZERO; slots * outputs],
             lent: vec![c64::ZERO; slots * contacts],
             added_damping: 0.0,
+            factored: false,
             self_excitation: 0.0,
             singular: vec![false; slots],
             factor: self.matrices.factor(block),
@@ -303,7 +311,7 @@ impl Structure {
         for (slot, &order) in self.orders.iter().enumerate().take(slots.end).skip(slots.start) {
             let contacts = slot * into.contacts..(slot + 1) * into.contacts;
             into.lent[contacts.clone()].fill(c64::ZERO);
-            if lending < ALWAYS && self.respond_by_modes(slot, base, into) {
+            if lending < ALWAYS && !into.factored && self.respond_by_modes(slot, base, into) {
                 into.singular[slot] = false;
                 continue;
             }

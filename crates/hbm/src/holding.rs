@@ -22,6 +22,12 @@ impl Plan {
             *held = contact.law.holding_force() > 0.0;
         }
         let candidates = ws.held.iter().filter(|held| **held).count();
+        if candidates > 0 && self.structure.has_modes() {
+            ws.condensed.factored = true;
+            if self.structure.condense(solution.frequency, 0..ws.ready, &mut ws.condensed).is_err() {
+                return false;
+            }
+        }
         for _ in 0..candidates {
             if self.settings.truncation.is_some() && ws.held.iter().any(|held| !held) {
                 // No estimate looks beyond a contact at rest: as many harmonics as there may be.

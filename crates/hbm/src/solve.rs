@@ -50,6 +50,7 @@ impl Plan {
         (ws.truncation_error, ws.sampling_error) = (None, None);
         ws.goal = self.first_goal();
         ws.condensed.added_damping = 0.0;
+        ws.condensed.factored = false;
         ws.ready = self.rungs[ws.goal].slots;
         if let Err(harmonic) = self.structure.condense(frequency, 0..ws.ready, &mut ws.condensed) {
             ws.has_previous = false;
