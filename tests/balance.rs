@@ -39,6 +39,7 @@ fn linear_contacts_are_part_of_the_structure() {
     let stiffness = mat![[3e4, -1e4], [-1e4, 2e4]];
     let between = Contact { name: "b".into(), first: 0, second: Some(1), law: spring(7e3), scale: 2.0 };
     let problem = Problem {
+        joints: Vec::new(),
         model: model(mass.clone(), damping.clone(), stiffness.clone()),
         excitation: vec![
             Excitation { dof: 0, harmonic: 1, amplitude: 3.0, phase: 0.4, kind: ExcitationKind::Force },
@@ -264,6 +265,7 @@ fn sizes_beyond_memory_are_refused() {
 /// An undamped mass on a spring, exactly at its resonance, with any law.
 fn at_resonance(law: Arc<dyn Law>) -> (Problem, f64) {
     let problem = Problem {
+        joints: Vec::new(),
         model: Model::new(mat![[1.0]], Damping::Matrix(mat![[0.0]]), mat![[4.0]]).unwrap(),
         excitation: vec![force(0, 1.0)],
         contacts: vec![to_ground(law)],
@@ -325,6 +327,7 @@ fn an_unbounded_resonance_is_named() {
 fn a_free_body_is_held_by_its_contact() {
     let free = |law: Arc<dyn Law>, harmonics: usize| {
         let problem = Problem {
+            joints: Vec::new(),
             model: Model::new(mat![[2.0]], Damping::Matrix(mat![[1.0]]), mat![[0.0]]).unwrap(),
             excitation: vec![Excitation { harmonic: 0, ..force(0, 3.0) }, force(0, 1.0)],
             contacts: vec![to_ground(law)],
@@ -345,6 +348,7 @@ fn a_free_body_is_held_by_its_contact() {
 #[test]
 fn static_loads() {
     let one = |law: Arc<dyn Law>| Problem {
+        joints: Vec::new(),
         model: Model::new(mat![[1.0]], Damping::Matrix(mat![[1.0]]), mat![[100.0]]).unwrap(),
         excitation: vec![Excitation {
             dof: 0,

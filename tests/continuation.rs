@@ -185,6 +185,7 @@ fn nothing_lies_outside_the_range() {
 #[test]
 fn a_contact_that_could_rest_slides_on() {
     let problem = Problem {
+        joints: Vec::new(),
         model: model(mat![[1.0]], mat![[2.0]], mat![[1e5]]),
         excitation: vec![force(0, 0.08)],
         contacts: vec![to_ground(scaled_reference_loop())],

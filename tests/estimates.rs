@@ -157,6 +157,7 @@ fn a_short_last_rung_is_no_estimate() {
 fn harmonics_that_cannot_be_taken_are_not_taken() {
     let at_third = (3.0 * 20.0 * std::f64::consts::TAU).powi(2);
     let problem = Problem {
+        joints: Vec::new(),
         model: model(
             mat![[1.0, 0.0], [0.0, 1.0]],
             mat![[5.0, 0.0], [0.0, 0.0]],

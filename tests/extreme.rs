@@ -17,6 +17,7 @@ use stickslip_tests::{elastic_coulomb, force, model, to_ground};
 /// One mass m = 1 kg on k = 1 N/m with damping d, excited by 1 N, with `law` to the ground.
 fn oscillator(damping: f64, amplitude: f64, law: Arc<dyn Law>) -> Problem {
     Problem {
+        joints: Vec::new(),
         model: model(mat![[1.0]], mat![[damping]], mat![[1.0]]),
         excitation: vec![force(0, amplitude)],
         contacts: vec![to_ground(law)],

@@ -34,6 +34,7 @@ pub fn model(mass: Mat<f64>, damping: Mat<f64>, stiffness: Mat<f64>) -> Model {
 /// The two masses of scene R with any law at w1: 43 Hz and 108 Hz without it.
 pub fn two_mass(law: Arc<dyn Law>) -> Problem {
     Problem {
+        joints: Vec::new(),
         model: model(
             mat![[3.98, 0.0], [0.0, 1.27]],
             mat![[24.0, 0.0], [0.0, 24.0]],
@@ -59,6 +60,7 @@ pub fn scene_r() -> Problem {
 /// Scene P: unit masses, k1 = k2 = 190 kN/m, 3 N, with any law at w1.
 pub fn unit_masses(law: Arc<dyn Law>) -> Problem {
     Problem {
+        joints: Vec::new(),
         model: model(
             mat![[1.0, 0.0], [0.0, 1.0]],
             mat![[2.0, 0.0], [0.0, 2.0]],

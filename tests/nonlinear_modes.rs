@@ -19,6 +19,7 @@ fn oscillator(d: f64, law: Arc<dyn Law>) -> Problem {
     let excitation =
         Excitation { dof: 0, harmonic: 1, amplitude: 1.0, phase: 0.0, kind: ExcitationKind::Force };
     Problem {
+        joints: Vec::new(),
         model: Model::new(mat![[2.0]], Damping::Matrix(mat![[d]]), mat![[8e4]]).unwrap(),
         excitation: vec![excitation],
         contacts: vec![contact],

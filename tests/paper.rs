@@ -28,6 +28,7 @@ impl Parameters {
             ScaledLoop::ellipse(self.displacement, self.force, MagnitudeLaw::default(), PhaseLaw::default());
         let [c1, c2] = self.c;
         Problem {
+            joints: Vec::new(),
             model: model(
                 mat![[self.m[0], 0.0], [0.0, self.m[1]]],
                 mat![[self.d[0], 0.0], [0.0, self.d[1]]],

@@ -36,6 +36,7 @@ fn frame(path: &std::path::Path) -> Problem {
     let law = ScaledLoop::new(&fit.hysteresis_loop, fit.noise, magnitude, phase, Symmetry::Auto).unwrap();
     assert_eq!(law.is_odd(), fit.even_content < fit.noise.max(0.02), "even content decides");
     Problem {
+        joints: Vec::new(),
         model: Model::new(
             mat![[2000.0, 0.0], [0.0, 800.0]],
             Damping::ModalRatio(0.01),

@@ -50,6 +50,7 @@ impl Structure {
 
     fn problem(&self, law: Arc<dyn Law>) -> Problem {
         Problem {
+            joints: Vec::new(),
             model: model(
                 mat![[self.m[0], 0.0], [0.0, self.m[1]]],
                 mat![[self.d, 0.0], [0.0, self.d]],

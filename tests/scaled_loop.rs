@@ -44,6 +44,7 @@ fn law(data: &Value, name: &str) -> ScaledLoop {
 
 fn two_mass(law: ScaledLoop) -> Problem {
     Problem {
+        joints: Vec::new(),
         model: model(
             mat![[4.0, 0.0], [0.0, 1.27]],
             mat![[24.0, 0.0], [0.0, 24.0]],

@@ -77,6 +77,7 @@ fn in_units(measured: &Loop, friction: bool, unit: f64) -> Problem {
         false => Arc::new(ScaledLoop::new(&rescaled, 0.0, magnitude, phase, Symmetry::Auto).unwrap()),
     };
     Problem {
+        joints: Vec::new(),
         model: model(
             scaled([[3.98, 0.0], [0.0, 1.27]]),
             scaled([[24.0, 0.0], [0.0, 24.0]]),

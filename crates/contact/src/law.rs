@@ -55,6 +55,8 @@ pub enum ContactState {
     Mixed,
     /// At rest: a set-valued law holds it.
     Held,
+    /// The bodies are apart all the time.
+    Apart,
 }
 
 /// What a force evaluation noticed.

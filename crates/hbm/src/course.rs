@@ -349,6 +349,7 @@ mod tests {
             let dof = usize::from(kind != ExcitationKind::Base);
             let excitation = Excitation { dof, harmonic: 1, amplitude, phase: 0.3, kind };
             let problem = Problem {
+                joints: Vec::new(),
                 model: Model::new(
                     mat![[2.0, 0.0], [0.0, 1.0]],
                     Damping::Rayleigh { mass: 8.0, stiffness: 1e-5 },

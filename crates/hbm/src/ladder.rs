@@ -534,6 +534,7 @@ mod tests {
         let parameters = ElasticCoulombParameters { stiffness: 6.705e6, slip_force: 6.705e6 * 2.232e-6 };
         let law = Arc::new(ElasticCoulomb::new(parameters).unwrap());
         let problem = Problem {
+            joints: Vec::new(),
             model: Model::new(
                 mat![[3.98, 0.0], [0.0, 1.27]],
                 Damping::Matrix(mat![[24.0, 0.0], [0.0, 24.0]]),

@@ -46,8 +46,11 @@ pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, entry_c
 pub use error::PlanError;
 pub use mode::{ModeEnd, ModeOptions, ModePoint, NonlinearMode, Origin, nonlinear_mode};
 pub use plan::{Plan, PlanFacts, Receptances, Workspace};
-pub use problem::{Contact, Excitation, ExcitationKind, Problem};
+pub use problem::{Contact, Direction, Excitation, ExcitationKind, Joint, Problem};
 pub use settings::{Jacobian, LinearSolver, Settings, Start};
-pub use solution::{ContactSolution, FailureReason, Solution, Stats, Status, Waveform, WaveformContact};
+pub use solution::{
+    ContactSolution, DirectionSolution, FailureReason, JointSolution, Solution, Stats, Status, Waveform,
+    WaveformContact,
+};
 pub use structure::{Damping, Model, ModelError, SparseDamping, SparseModel};
 pub use sweep::{Sweep, SweepOptions, sweep};

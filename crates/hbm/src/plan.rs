@@ -471,6 +471,9 @@ fn check<M>(
             return error(format!("contacts[{i}].scale"), format!("must be positive, got {}", contact.scale));
         }
     }
+    if let Some(joint) = problem.joints.first() {
+        return error("joints".into(), format!("{}: joints are not part of the balance yet", joint.name));
+    }
     match problem.output.iter().find(|dof| **dof >= n) {
         Some(dof) => error("output".into(), format!("dof {dof} does not exist; the model has {n}")),
         None => Ok(()),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use contact::Law;
+use contact::{JointLaw, Law};
 
 use structure::Model;
 
@@ -49,6 +49,26 @@ pub struct Contact {
     pub scale: f64,
 }
 
+/// A direction of a joint: the relative displacement Σ coefficient · displacement over these dofs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Direction {
+    /// (dof, coefficient); every dof at most once.
+    pub parts: Vec<(usize, f64)>,
+}
+
+/// A contact in several directions that depend on each other: friction under a normal load that the motion changes.
+#[derive(Debug, Clone)]
+pub struct Joint {
+    /// For messages and results.
+    pub name: String,
+    /// As many as the law has, the normal one last; see [`JointLaw`].
+    pub directions: Vec<Direction>,
+    /// The law.
+    pub law: Arc<dyn JointLaw>,
+    /// Factor on the law's forces; positive.
+    pub scale: f64,
+}
+
 /// A mechanical model with contacts under periodic excitation.
 #[derive(Debug, Clone)]
 pub struct Problem<M = Model> {
@@ -56,8 +76,10 @@ pub struct Problem<M = Model> {
     pub model: M,
     /// All excitations; they add up.
     pub excitation: Vec<Excitation>,
-    /// All contacts.
+    /// All contacts in one direction.
     pub contacts: Vec<Contact>,
+    /// All contacts in several directions.
+    pub joints: Vec<Joint>,
     /// Dofs whose displacement is recovered, in this order.
     pub output: Vec<usize>,
 }

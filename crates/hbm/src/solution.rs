@@ -83,6 +83,34 @@ pub struct ContactSolution {
     pub extrapolated: bool,
 }
 
+/// What one joint does at a solution.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct JointSolution {
+    /// Stick, slip, mixed or apart.
+    pub state: ContactState,
+    /// Part of the period during which the bodies are apart, 0 … 1.
+    pub apart: f64,
+    /// Periods that were followed until the state of the contact repeated itself.
+    pub cycles: usize,
+    /// Energy dissipated per period of the excitation by all directions together, in J.
+    pub dissipation: f64,
+    /// The motion left the range in which the law was measured.
+    pub extrapolated: bool,
+    /// One entry a direction, the normal one last.
+    pub directions: Vec<DirectionSolution>,
+}
+
+/// One direction of a joint at a solution.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DirectionSolution {
+    /// Half the range of the relative displacement, in m.
+    pub amplitude: f64,
+    /// Relative displacement, one-sided amplitudes in m, one a harmonic of [`crate::Plan::orders`].
+    pub displacement: Vec<Complex64>,
+    /// Force on the first body, one-sided amplitudes in N, likewise.
+    pub force: Vec<Complex64>,
+}
+
 /// What the solution took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stats {
@@ -141,6 +169,8 @@ pub struct Solution {
     pub displacement: Vec<Vec<Complex64>>,
     /// One entry a contact. Empty when the point failed.
     pub contacts: Vec<ContactSolution>,
+    /// One entry a joint. Empty when the point failed.
+    pub joints: Vec<JointSolution>,
     /// What it took.
     pub stats: Stats,
     /// The other solutions, where asked for.
@@ -169,6 +199,7 @@ impl Solution {
             solutions: None,
             displacement: Vec::new(),
             contacts: Vec::new(),
+            joints: Vec::new(),
             stats: Stats::default(),
             others: Vec::new(),
         }
@@ -194,6 +225,7 @@ impl Solution {
         self.residual = f64::INFINITY;
         self.displacement.clear();
         self.contacts.clear();
+        self.joints.clear();
     }
 
     /// Whether every number is one: where rounding leaves nothing there is no solution.

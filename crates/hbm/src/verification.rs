@@ -35,6 +35,7 @@ fn problem() -> Problem {
     let contact =
         |first, second, law: Arc<dyn Law>, scale| Contact { name: "c".into(), first, second, law, scale };
     Problem {
+        joints: Vec::new(),
         model: Model::new(
             mat![[4.0, 0.0, 0.0], [0.0, 1.3, 0.0], [0.0, 0.0, 0.8]],
             Damping::Rayleigh { mass: 5.0, stiffness: 1e-5 },

@@ -93,7 +93,7 @@ pub struct Point {
 pub struct ContactPoint {
     /// Half the peak-to-peak relative displacement, in m.
     pub amplitude: f64,
-    /// `stick`, `slip`, `mixed` or `held`.
+    /// `stick`, `slip`, `mixed`, `held` or `apart`.
     pub state: &'static str,
     /// In J per cycle.
     pub dissipation: f64,
@@ -259,6 +259,7 @@ impl<'a> Names<'a> {
                 ContactState::Slip => "slip",
                 ContactState::Mixed => "mixed",
                 ContactState::Held => "held",
+                ContactState::Apart => "apart",
             },
             dissipation: contact.dissipation,
             force: Spectrum::new(self.orders, &contact.force),

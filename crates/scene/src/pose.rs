@@ -86,6 +86,7 @@ impl Scene {
             Some(Contact { first: number(contact.first)?, second, ..contact.clone() })
         };
         Problem {
+            joints: Vec::new(),
             model,
             excitation: self.excitation.iter().filter_map(moved).collect(),
             contacts: self.contacts.iter().filter_map(touching).collect(),

@@ -105,6 +105,7 @@ impl Case {
             scale: spec.scale,
         });
         let problem = Problem {
+            joints: Vec::new(),
             contacts: contacts.collect(),
             model: self.model()?,
             excitation: self.loads.clone(),

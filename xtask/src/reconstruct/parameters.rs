@@ -111,6 +111,7 @@ impl Physical {
         )?;
         let amplitude = self.excitation;
         Ok(Problem {
+            joints: Vec::new(),
             model,
             excitation: vec![Excitation {
                 dof: 1,

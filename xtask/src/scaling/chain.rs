@@ -47,6 +47,7 @@ pub(super) fn problem(dofs: usize, contacts: usize) -> Result<Problem> {
     let excitation =
         Excitation { dof: dofs - 1, harmonic: 1, amplitude: 10.0, phase: 0.0, kind: ExcitationKind::Force };
     Ok(Problem {
+        joints: Vec::new(),
         model: Model::new(mass, damping, stiffness)?,
         excitation: vec![excitation],
         contacts: (0..contacts).map(contact).collect(),

@@ -101,6 +101,7 @@ pub fn dense(dofs: usize, count: usize) -> Problem {
     };
     let damping = Damping::Rayleigh { mass: DAMPING.0, stiffness: DAMPING.1 };
     Problem {
+        joints: Vec::new(),
         model: Model::new(assemble(mass(dofs)), damping, assemble(stiffness(dofs))).unwrap(),
         excitation: excitation(dofs),
         contacts: contacts(dofs, count),
@@ -134,6 +135,7 @@ pub fn single(count: usize) -> Problem {
         excitation: (0..count).map(force).collect(),
         contacts: (0..count).map(contact).collect(),
         output: vec![0],
+        joints: Vec::new(),
     }
 }
 
@@ -151,6 +153,7 @@ pub fn sparse(dofs: usize, count: usize) -> Problem<SparseModel> {
         SparseColMat::try_new_from_triplets(dofs, dofs, &entries).unwrap()
     };
     Problem {
+        joints: Vec::new(),
         model: SparseModel {
             mass: assemble(mass(dofs)),
             damping: SparseDamping::Rayleigh { mass: DAMPING.0, stiffness: DAMPING.1 },
