@@ -66,7 +66,7 @@ pub use joint::{JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace};
 pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 pub use linear::{Linear, LinearParameters};
 pub use loop_family::LoopFamily;
-pub use mechanism::{Mechanism, SmoothForce};
+pub use mechanism::{JointMechanism, Mechanism, SmoothForce, UnilateralSpring};
 pub use scaled_loop::{ScaledLoop, Symmetry};
 pub use scaling::{MagnitudeLaw, PhaseLaw};
 pub use tangent::{Recall, Recalled, Tangent};
