@@ -12,6 +12,7 @@
 //! | [`Iwan`] | `iwan.rs` | Jenkins elements in parallel, from a backbone (Masing's rule) |
 //! | [`Coulomb`] | `coulomb.rs` | F_s tanh(ẇ/v) |
 //! | [`Cubic`] | `cubic.rs` | k₃ w³ |
+//! | [`Gap`] | `gap.rs` | k max(w − g, 0) |
 //! | [`Linear`] | `linear.rs` | k w |
 //!
 //! A contact in several directions, friction under a normal load that the motion changes, is a [`JointLaw`]:
@@ -42,6 +43,7 @@ mod error;
 mod events;
 mod family_curve;
 mod friction_contact;
+mod gap;
 pub mod identification;
 mod iwan;
 mod joint;
@@ -74,12 +76,13 @@ pub use elastic_coulomb::{ElasticCoulomb, ElasticCoulombParameters};
 pub use error::{LawError, ParameterError};
 pub use events::{ForcePiece, PiecewiseLinear};
 pub use friction_contact::{FrictionContact, FrictionContactParameters};
+pub use gap::{Gap, GapParameters};
 pub use iwan::{Iwan, IwanParameters};
 pub use joint::{JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace};
 pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 pub use linear::{Linear, LinearParameters};
 pub use loop_family::LoopFamily;
-pub use mechanism::{Mechanism, SmoothForce};
+pub use mechanism::{JointMechanism, Mechanism, SmoothForce, UnilateralSpring};
 pub use normal_contact::{NormalContact, NormalContactParameters};
 pub use scaled_loop::{ScaledLoop, Symmetry};
 pub use scaling::{MagnitudeLaw, PhaseLaw};

@@ -219,10 +219,10 @@ fn derivatives_agree_with_dual_numbers_followed_for_many_periods() {
             let raw = |j: usize| law.normal().load(moving.motion().displacement_of(D)[j]);
             let row = followed(moving, (direction, &wave), [3.7e-6; D], raw);
             for d in 0..D {
-                for j in 0..samples {
+                for (j, slider) in row.iter().enumerate() {
                     let w = moving.motion().displacement_of(d)[j];
                     let by = if d == direction { wave[j] } else { 0.0 };
-                    let f = (Dual64::new(w, by) - row[j][d]) * KT;
+                    let f = (Dual64::new(w, by) - slider[d]) * KT;
                     assert!((f.re - force[d * samples + j]).abs() < 1e-11 * LOAD, "{marks:?} {j}");
                     let error = (f.eps - derivative[d * samples + j]).abs() / KT;
                     assert!(error < 1e-10, "{marks:?} {direction} {j}: {error:e}");
