@@ -192,9 +192,9 @@ fn derivatives_agree_with_dual_numbers_followed_for_many_periods() {
         let mut slipping = false;
         let mut row = vec![slider; samples];
         for _ in 0..400 {
-            for j in 0..samples {
+            for (j, kept) in row.iter_mut().enumerate() {
                 let (next, grip) = follow(slider, slipping, place((j + samples - 1) % samples), place(j));
-                (slider, slipping, row[j]) = (next, grip == Grip::Slip, next);
+                (slider, slipping, *kept) = (next, grip == Grip::Slip, next);
             }
         }
         row
