@@ -20,6 +20,7 @@
 //! | law | file | forces |
 //! |---|---|---|
 //! | [`FrictionContact`] | `friction_contact.rs` | spring and Coulomb slider in one or two directions, limit μN; N unilateral |
+//! | [`LoadedLoop`] | `loaded_loop.rs` | a scaled loop whose force goes with the normal load |
 //!
 //! The numbers of eqs (6) and (7) are identified from measured loops by [`identification::identify`].
 //!
@@ -49,6 +50,7 @@ mod iwan;
 mod joint;
 mod law;
 mod linear;
+mod loaded_loop;
 mod logarithmic;
 mod loop_curve;
 mod loop_family;
@@ -81,6 +83,7 @@ pub use iwan::{Iwan, IwanParameters};
 pub use joint::{JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace};
 pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 pub use linear::{Linear, LinearParameters};
+pub use loaded_loop::LoadedLoop;
 pub use loop_family::LoopFamily;
 pub use mechanism::{JointMechanism, Mechanism, SmoothForce, UnilateralSpring};
 pub use normal_contact::{NormalContact, NormalContactParameters};

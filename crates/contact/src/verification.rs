@@ -5,6 +5,7 @@ mod family;
 mod friction_contact;
 mod gap;
 mod iwan;
+mod loaded_loop;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
