@@ -499,7 +499,7 @@ impl<'c> Tracer<'c> {
     /// Amplitudes of the output dofs at the base frequency, at a place.
     fn amplitudes(&mut self, place: &Place) -> Vec<f64> {
         let slot = self.course.plan().first_slot();
-        let solution = self.point(place, 0.0).solution;
+        let solution = self.solution(place);
         let first = |row: &Vec<c64>| slot.and_then(|slot| row.get(slot)).map_or(0.0, |w| w.norm());
         solution.displacement.iter().map(first).collect()
     }
@@ -560,13 +560,19 @@ impl<'c> Tracer<'c> {
         None
     }
 
-    /// A place as a solution.
+    /// A place as a point of the curve.
     fn point(&mut self, place: &Place, arclength: f64) -> CurvePoint {
+        let mut solution = self.solution(place);
+        self.course.plan().judge(&mut solution);
+        CurvePoint { parameter: place.parameter, arclength, fold: false, peaks: Vec::new(), solution }
+    }
+
+    fn solution(&mut self, place: &Place) -> Solution {
         let residual = self.evaluate(&place.unknowns, place.parameter).unwrap_or(place.residual);
         let frequency = self.course.frequency(place.parameter);
         let mut solution = Solution::empty(frequency, self.course.plan().slots());
         self.course.plan().report(Status::Converged, residual, self.ws, &mut solution);
-        CurvePoint { parameter: place.parameter, arclength, fold: false, peaks: Vec::new(), solution }
+        solution
     }
 }
 
