@@ -20,6 +20,7 @@ mod estimate;
 mod free_motion;
 mod harmonics;
 mod holding;
+mod joint_force;
 mod krylov;
 mod ladder;
 mod matrices;
@@ -31,6 +32,7 @@ mod plan;
 mod point;
 mod problem;
 mod report;
+mod rows;
 mod scalar;
 mod settings;
 mod solution;
@@ -50,7 +52,7 @@ pub use problem::{Contact, Direction, Excitation, ExcitationKind, Joint, Problem
 pub use settings::{Jacobian, LinearSolver, Settings, Start};
 pub use solution::{
     ContactSolution, DirectionSolution, FailureReason, JointSolution, Solution, Stats, Status, Waveform,
-    WaveformContact,
+    WaveformContact, WaveformJoint,
 };
 pub use structure::{Damping, Model, ModelError, SparseDamping, SparseModel};
 pub use sweep::{Sweep, SweepOptions, sweep};
