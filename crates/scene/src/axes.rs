@@ -123,10 +123,10 @@ impl Axis {
             Self(named.filter(|(_, part)| *part != 0.0).collect())
         };
         let own: Vec<f64> = space.iter().map(|name| self.component(name)).collect();
-        match own.as_slice() {
+        match *own.as_slice() {
             _ if outside => {}
-            &[a, b] => return Ok(vec![axis(&[b, -a])]),
-            &[a, b, c] => {
+            [a, b] => return Ok(vec![axis(&[b, -a])]),
+            [a, b, c] => {
                 // Away from the direction that the normal leans on least: no cancellation.
                 let least = a.abs().min(b.abs()).min(c.abs());
                 let mut first = [0.0; 3];

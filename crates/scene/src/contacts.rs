@@ -65,7 +65,7 @@ fn read_one(node: &Node, dofs: &Dofs, records: &Records, all: &mut Contacts) -> 
     let name = name_node.text("a name")?;
     let scale = entry.get("scale").map_or(Ok(1.0), |scale| scale.positive())?;
     let law_node = entry.need("law", "{\"type\": …}")?;
-    let several = joint_law::acts_in_several_directions(&law_node);
+    let several = joint_law::acts_in_several_directions(&law_node)?;
     let new = |all: &Contacts, name: &str| match all.names().any(|known| known == name) {
         true => Err(name_node.error(format!("there is a contact {name:?} already; names must differ"))),
         false => Ok(()),
@@ -101,9 +101,8 @@ type Pair = (String, (usize, Option<usize>));
 
 /// The bodies of an entry whose law acts in one direction.
 fn one_direction(entry: &Object, law: &Node, name: &str, dofs: &Dofs) -> Result<Vec<Pair>, SceneError> {
-    let kind = law.peek("type").and_then(|kind| kind.text("").ok().map(str::to_owned));
-    let way_out = match kind.as_deref() {
-        Some("scaled_loop") => "; or add \"normal_load\" to the law",
+    let way_out = match law::kind(law)?.1 {
+        "scaled_loop" => "; or add \"normal_load\" to the law",
         _ => " (\"friction_contact\" is a law for several)",
     };
     let why = format!(

@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use contact::JointLaw;
+use contact::{FrictionContact, FrictionContactParameters, JointLaw};
 
 use crate::error::SceneError;
-use crate::law::{ReadLaw, SCALED_LOOP_KEYS, read_scaled_loop, refused};
+use crate::law::{self, ReadLaw, SCALED_LOOP_KEYS, read_scaled_loop, refused};
 use crate::read::{Node, Object};
 use crate::records::Records;
-use crate::standin::{FrictionContact, FrictionContactParameters};
 
 /// Laws that act in several directions; [`SCALED_LOOP_KEYS`] with a normal load is another.
 pub(crate) const LAWS: [&str; 1] = ["friction_contact"];
@@ -18,12 +17,9 @@ pub(crate) const FRICTION_CONTACT_KEYS: [&str; 6] =
 pub(crate) const NORMAL_LOAD_KEYS: [&str; 4] = ["reference", "stiffness", "preload", "gap"];
 
 /// Whether the law is one for several directions.
-pub(crate) fn acts_in_several_directions(law: &Node) -> bool {
-    let kind = law.peek("type");
-    let kind = kind.as_ref().and_then(|kind| kind.text("").ok());
-    kind.is_some_and(|kind| {
-        LAWS.contains(&kind) || (kind == "scaled_loop" && law.peek("normal_load").is_some())
-    })
+pub(crate) fn acts_in_several_directions(law: &Node) -> Result<bool, SceneError> {
+    let (_, name) = law::kind(law)?;
+    Ok(LAWS.contains(&name) || (name == "scaled_loop" && law.peek("normal_load").is_some()))
 }
 
 /// Reads such a law for contacts with so many directions, the normal one included.
@@ -33,7 +29,7 @@ pub(crate) fn read(
     records: &Records,
 ) -> Result<ReadLaw<dyn JointLaw>, SceneError> {
     let tangential = directions.saturating_sub(1);
-    if node.peek("normal_load").is_some() && !is_friction_contact(node) {
+    if law::kind(node)?.1 == "scaled_loop" {
         return loaded_loop(node, tangential, records);
     }
     let law = node.object("friction under a normal load", &FRICTION_CONTACT_KEYS)?;
@@ -51,10 +47,6 @@ pub(crate) fn read(
     };
     let law = FrictionContact::new(parameters, tangential).map_err(|error| refused(node.path(), error))?;
     Ok(ReadLaw { law: Arc::new(law), notes: Vec::new() })
-}
-
-fn is_friction_contact(node: &Node) -> bool {
-    node.peek("type").is_some_and(|kind| kind.text("").is_ok_and(|kind| LAWS.contains(&kind)))
 }
 
 /// A measured loop whose force goes with the normal load.

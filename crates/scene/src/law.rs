@@ -33,8 +33,8 @@ pub(crate) struct ReadLaw<L: ?Sized> {
     pub(crate) notes: Vec<String>,
 }
 
-/// Reads the `law` of a contact in one direction.
-pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw<dyn Law>, SceneError> {
+/// The `type` of a law, one of those that exist.
+pub(crate) fn kind<'a>(node: &Node<'a>) -> Result<(Node<'a>, &'a str), SceneError> {
     let Some(kind) = node.peek("type") else {
         // Says that it is no object, or that the type is missing.
         let any = [
@@ -56,6 +56,19 @@ pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw<dyn Law>, S
         ));
     };
     let name = kind.text("the name of a law")?;
+    if every_law().any(|law| law == name) {
+        return Ok((kind, name));
+    }
+    let every: Vec<&str> = every_law().collect();
+    let hint = suggestion(name, &every);
+    let known =
+        if hint.starts_with("known") { String::new() } else { format!(" Known are {}", every.join(", ")) };
+    Err(kind.error(format!("there is no law {name:?}; {hint}{known}")))
+}
+
+/// Reads the `law` of a contact in one direction.
+pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw<dyn Law>, SceneError> {
+    let (kind, name) = kind(node)?;
     let law: Arc<dyn Law> = match name {
         "scaled_loop" => return scaled_loop(&node.object("a scaled loop", &SCALED_LOOP_KEYS)?, records),
         "loop_family" => return loop_family::read(node, records),
@@ -92,16 +105,8 @@ pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw<dyn Law>, S
             let _gap = law.need("gap", "1e-6, in m")?.number()?;
             return Err(kind.error("is not available yet"));
         }
-        _ => {
-            let every: Vec<&str> = every_law().collect();
-            let hint = suggestion(name, &every);
-            let known = if hint.starts_with("known") {
-                String::new()
-            } else {
-                format!(" Known are {}", every.join(", "))
-            };
-            return Err(kind.error(format!("there is no law {name:?}; {hint}{known}")));
-        }
+        // A law of the list in several directions.
+        _ => return Err(kind.error(format!("{name} acts in several directions"))),
     };
     Ok(ReadLaw { law, notes: Vec::new() })
 }

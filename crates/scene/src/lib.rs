@@ -52,7 +52,6 @@ mod scene;
 mod schema;
 mod solver;
 mod sparse;
-mod standin;
 mod structure;
 mod variants;
 

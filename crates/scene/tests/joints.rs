@@ -64,11 +64,11 @@ const NONE: Value = Value::Null;
 fn nodes_and_axes_become_directions() {
     let pair = |a: usize, b: usize| vec![(a, 1.0), (b, -1.0)];
     let full = vec![pair(0, 3), pair(1, 4), pair(2, 5)];
-    assert_eq!(parts(&[]), [full.clone()]);
+    assert_eq!(parts(&[]), vec![full.clone()]);
     let one = [("axes", json!({ "normal": { "z": 2 }, "tangential": [0, 7, 0] }))];
     assert_eq!(parts(&one), [vec![pair(1, 4), pair(2, 5)]]);
     let two = json!({ "normal": [0, 0, 1], "tangential": [[1, 0, 0], { "y": 1 }] });
-    assert_eq!(parts(&[("axes", two)]), [full.clone()]);
+    assert_eq!(parts(&[("axes", two)]), vec![full]);
     // The ground does not move, nor does what is held.
     assert_eq!(
         parts(&[("nodes", json!(["2", "ground"]))]),
