@@ -42,6 +42,7 @@ mod matrix;
 mod model;
 mod notes;
 mod outcome;
+mod peak;
 mod pose;
 mod read;
 mod records;
@@ -68,6 +69,7 @@ pub use outcome::{
     ContactOutcome, ContactPoint, DirectionPoint, JointPoint, Named, Outcome, Point, Spectrum, Timing,
     direction_names,
 };
+pub use peak::{PeaksCurve, PeaksEffort, PeaksOptimum, PeaksOptions, PeaksOutcome, PeaksPeak, PeaksPoint};
 pub use reduction::ReductionFacts;
 pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Motion, Prepared, Solved};
