@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use contact::{ElasticCoulomb, Mechanism};
+use contact::{ElasticCoulomb, JointMechanism, Mechanism};
 use hbm::{Plan, Solution};
 use num_complex::Complex64;
 use orbit::{State, System};
@@ -24,6 +24,9 @@ pub(crate) fn state(system: &System, plan: &Plan, solution: &Solution) -> State 
             state.sliders.extend(sliders.iter().map(|slider| contact.scale * settled(slider, &path)));
         }
     }
+    // Friction of a joint takes a period to forget how it began: it starts from none, within any limit.
+    let frictions = |joint: &&orbit::Joint| matches!(joint.law.mechanism(), JointMechanism::Friction { .. });
+    state.sliders.extend(system.joints.iter().filter(frictions).map(|_| 0.0));
     state
 }
 
