@@ -68,7 +68,7 @@ pub(crate) struct ModalBuffers {
     scaled: Mat<f64>,
     /// A motion, what is left of its balance, and the size of the terms.
     motion: Vec<c64>,
-    left: Vec<c64>,
+    left: [Vec<f64>; 2],
     terms: Vec<f64>,
     pub(crate) receptance: [Mat<f64>; 2],
     pub(crate) recovery: [Mat<f64>; 2],
@@ -82,7 +82,7 @@ impl ModalBuffers {
             largest: Vec::new(),
             scaled: Mat::new(),
             motion: Vec::new(),
-            left: Vec::new(),
+            left: [Vec::new(), Vec::new()],
             terms: Vec::new(),
             receptance: none(),
             recovery: none(),
@@ -216,12 +216,13 @@ impl Modal {
     ) -> bool {
         let n = self.shapes.nrows();
         let ModalBuffers { answers, motion, left, terms, .. } = into;
-        for buffer in [&mut *motion, &mut *left] {
+        let [left_re, left_im] = left;
+        motion.clear();
+        motion.resize(n, c64::ZERO);
+        for buffer in [&mut *left_re, &mut *left_im, &mut *terms] {
             buffer.clear();
-            buffer.resize(n, c64::ZERO);
+            buffer.resize(n, 0.0);
         }
-        terms.clear();
-        terms.resize(n, 0.0);
         for (r, answer) in answers.iter().enumerate() {
             let force: c64 = forces.clone().map(|(dof, force)| force * self.shapes[(dof, r)]).sum();
             let amplitude = answer * force;
@@ -230,19 +231,25 @@ impl Modal {
             }
         }
         for (dof, force) in forces {
-            left[dof] -= force;
+            left_re[dof] -= force.re;
+            left_im[dof] -= force.im;
             terms[dof] += force.norm();
         }
         let square = omega * omega;
         for (j, w) in motion.iter().enumerate() {
-            let columns = stiffness.col(j).iter().zip(mass.col(j).iter()).zip(damping.col(j).iter());
-            for ((left, terms), ((c, m), d)) in left.iter_mut().zip(terms.iter_mut()).zip(columns) {
-                let entry = c64::new(c - square * m, omega * d);
-                *left += entry * w;
-                *terms += (c.abs() + square * m.abs() + omega * d.abs()) * w.norm();
+            let size = w.norm();
+            let [c, m, d] = [stiffness, mass, damping].map(|matrix| matrix.col_as_slice(j));
+            let columns = c.iter().zip(m).zip(d);
+            let rows = left_re.iter_mut().zip(left_im.iter_mut()).zip(terms.iter_mut());
+            for (((re, im), terms), ((c, m), d)) in rows.zip(columns) {
+                let (at_rest, losing) = (c - square * m, omega * d);
+                *re += at_rest * w.re - losing * w.im;
+                *im += at_rest * w.im + losing * w.re;
+                *terms += (c.abs() + square * m.abs() + losing.abs()) * size;
             }
         }
-        left.iter().zip(terms.iter()).all(|(left, terms)| left.norm() <= LEFT * terms)
+        let left = left_re.iter().zip(left_im.iter());
+        left.zip(terms.iter()).all(|((re, im), terms)| re.hypot(*im) <= LEFT * terms)
     }
 
     /// Receptance (lower triangle) and recovery at the angular frequency `omega`, real and imaginary parts; whether the modes
