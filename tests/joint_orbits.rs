@@ -194,7 +194,7 @@ fn integration_in_time_without_events_stays_on_the_orbit() {
     for (name, system, parameters, hertz) in scenes() {
         let orbit = orbit(&system, hertz);
         let (coarse, fine) = (
-            distance_in_time(&system, &parameters, &orbit, 4000),
+            distance_in_time(&system, &parameters, &orbit, 500),
             distance_in_time(&system, &parameters, &orbit, 32_000),
         );
         println!("{name} {hertz} Hz: {coarse:e} {fine:e}");
@@ -205,7 +205,7 @@ fn integration_in_time_without_events_stays_on_the_orbit() {
 /// A pressure that nothing changes makes the joint an elastic Coulomb element of slip force μN.
 #[test]
 fn constant_pressure_is_an_elastic_coulomb_element() {
-    for (preload, hertz) in [(15.0, 55.0), (40.0, 80.0), (4.0, 120.0)] {
+    for (preload, hertz) in [(15.0, 55.0), (20.0, 80.0), (4.0, 120.0)] {
         let mut jointed = one_mass(preloaded(preload));
         jointed.stiffness = mat![[2e5, 0.0], [0.0, 4e5]];
         jointed.loads = vec![load(0, 1, 12.0)];
@@ -214,7 +214,7 @@ fn constant_pressure_is_an_elastic_coulomb_element() {
         scalar.joints.clear();
         scalar.contacts = vec![contact(0, None, Arc::new(ElasticCoulomb::new(slider).unwrap()))];
         let (jointed, scalar) = (orbit(&jointed, hertz), orbit(&scalar, hertz));
-        let close = |a: Vec<_>, b: Vec<_>, what: &str| {
+        let close = |a: Vec<Complex64>, b: Vec<Complex64>, what: &str| {
             let size = b.iter().map(|x: &Complex64| x.norm()).fold(0.0, f64::max);
             for (k, (a, b)) in a.iter().zip(&b).enumerate() {
                 assert!((a - b).norm() < 1e-12 * size, "{what}, {hertz} Hz, k = {k}: {a} {b}");
