@@ -24,9 +24,14 @@ pub(crate) fn state(system: &System, plan: &Plan, solution: &Solution) -> State 
             state.sliders.extend(sliders.iter().map(|slider| contact.scale * settled(slider, &path)));
         }
     }
-    // Friction of a joint takes a period to forget how it began: it starts from none, within any limit.
-    let frictions = |joint: &&orbit::Joint| matches!(joint.law.mechanism(), JointMechanism::Friction { .. });
-    state.sliders.extend(system.joints.iter().filter(frictions).map(|_| 0.0));
+    for (joint, report) in system.joints.iter().zip(&solution.joints) {
+        if let (JointMechanism::Friction { .. }, [tangential, _]) =
+            (joint.law.mechanism(), report.directions.as_slice())
+        {
+            // The force on the first body at t = 0; a slider's is against it.
+            state.sliders.push(-tangential.force.iter().map(|amplitude| amplitude.re).sum::<f64>());
+        }
+    }
     state
 }
 
