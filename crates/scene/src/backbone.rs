@@ -173,7 +173,7 @@ impl Scene {
     }
 
     /// The first dof that is excited, else the first that is recovered.
-    fn usual_reference(&self) -> String {
+    pub(crate) fn usual_reference(&self) -> String {
         let known = self.dofs();
         let excited = self.excited().next().and_then(|dof| known.get(dof).cloned());
         excited.or_else(|| self.output().first().map(|dof| (*dof).to_owned())).unwrap_or_default()

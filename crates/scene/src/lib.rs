@@ -43,6 +43,7 @@ mod model;
 mod motion;
 mod notes;
 mod outcome;
+mod peak;
 mod pose;
 mod read;
 mod records;
@@ -70,6 +71,7 @@ pub use outcome::{
     ContactOutcome, ContactPoint, DirectionPoint, JointPoint, Named, Outcome, Point, Spectrum, Timing,
     direction_names,
 };
+pub use peak::{PeaksCurve, PeaksEffort, PeaksOptimum, PeaksOptions, PeaksOutcome, PeaksPeak, PeaksPoint};
 pub use reduction::ReductionFacts;
 pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Motion, Prepared, Solved};
