@@ -17,7 +17,9 @@ pub struct CurvePanel {
     pub title: String,
     /// Parameter and amplitude in m, in the order of the curve.
     pub points: Vec<(f64, f64)>,
-    /// The same where the curve folds.
+    /// For each point: it is known to be unstable. May be empty.
+    pub unstable: Vec<bool>,
+    /// The same as the points where the curve folds.
     pub folds: Vec<(f64, f64)>,
 }
 
@@ -58,16 +60,15 @@ fn draw(plot: &CurvePlot) -> Result<String> {
         let y = Axis::decades(label, panel.points.iter().map(|(_, a)| *a)).unwrap_or_else(|| x.clone());
         // A point between two gaps is a dot.
         let dots = panel.folds.iter().flat_map(|&(x, a)| [(x, None), (x, Some(a)), (x, None)]);
+        let points = panel.points.iter().map(|&(x, a)| (x, Some(a)));
+        let (stable, unstable) = by_stability(points.zip(marks(&panel.unstable)));
         Chart {
             heading: panel.title.clone(),
             x: x.clone(),
             y,
             curves: vec![
-                Curve {
-                    name: "",
-                    points: panel.points.iter().map(|&(x, a)| (x, Some(a))).collect(),
-                    pen: pen::MAIN,
-                },
+                Curve { name: "", points: stable, pen: pen::MAIN },
+                Curve { name: "", points: unstable, pen: pen::UNSTABLE },
                 Curve { name: "", points: dots.collect(), pen: pen::MAIN },
             ],
             rug: Vec::new(),
@@ -80,4 +81,33 @@ fn draw(plot: &CurvePlot) -> Result<String> {
         }
     });
     Ok(sheet::sheet(&plot.title, 1, charts.collect()))
+}
+
+/// A curve's points; `None` interrupts it.
+type Points = Vec<(f64, Option<f64>)>;
+
+/// One mark a point, however many there are.
+pub(super) fn marks(unstable: &[bool]) -> impl Iterator<Item = bool> {
+    unstable.iter().copied().chain(std::iter::repeat(false))
+}
+
+/// The stable and the unstable parts of a curve; a stretch is unstable when one of its ends is.
+pub(super) fn by_stability(points: impl Iterator<Item = ((f64, Option<f64>), bool)>) -> (Points, Points) {
+    let (mut stable, mut unstable) = (Points::new(), Points::new());
+    let mut last: Option<((f64, Option<f64>), bool)> = None;
+    for (point, marked) in points {
+        let dashed = marked || last.is_some_and(|(_, before)| before);
+        let (drawn, other) = if dashed { (&mut unstable, &mut stable) } else { (&mut stable, &mut unstable) };
+        if let Some((before, _)) = last
+            && drawn.last() != Some(&before)
+        {
+            drawn.push(before);
+        }
+        drawn.push(point);
+        if other.last().is_some_and(|(_, amplitude)| amplitude.is_some()) {
+            other.push((point.0, None));
+        }
+        last = Some((point, marked));
+    }
+    (stable, unstable)
 }
