@@ -79,7 +79,7 @@ pub use joint::{JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace};
 pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 pub use linear::{Linear, LinearParameters};
 pub use loop_family::LoopFamily;
-pub use mechanism::{Mechanism, SmoothForce};
+pub use mechanism::{JointMechanism, Mechanism, SmoothForce, UnilateralSpring};
 pub use normal_contact::{NormalContact, NormalContactParameters};
 pub use scaled_loop::{ScaledLoop, Symmetry};
 pub use scaling::{MagnitudeLaw, PhaseLaw};

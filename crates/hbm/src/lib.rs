@@ -27,6 +27,11 @@ mod matrices;
 mod modal;
 mod mode;
 mod newton;
+mod peak;
+mod peak_branch;
+mod peak_optimum;
+mod peak_search;
+mod peak_survey;
 mod pieces;
 mod plan;
 mod point;
@@ -48,6 +53,10 @@ pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, entry_c
 pub use error::PlanError;
 pub use hill::{Hill, HillError, Multipliers, PeriodicSpring};
 pub use mode::{ModeEnd, ModeOptions, ModePoint, NonlinearMode, Origin, nonlinear_mode};
+pub use peak::{
+    Optimum, OptimumKind, Peak, PeakCurve, PeakEffort, PeakEnd, PeakOptions, PeakPoint, PeakStatus,
+    follow_peaks,
+};
 pub use plan::{Plan, PlanFacts, Receptances, Workspace};
 pub use problem::{Contact, Direction, Excitation, ExcitationKind, Joint, Problem};
 pub use settings::{Jacobian, LinearSolver, Settings, Start};
