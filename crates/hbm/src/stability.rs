@@ -104,6 +104,12 @@ pub enum NoStability {
     /// Friction in several directions is part of the state.
     #[error("friction in a joint remembers its motion, so local stiffness and damping do not describe it")]
     Joint,
+    /// The harmonics of its stiffness do not end.
+    #[error("contact {contact:?} changes its stiffness too suddenly for Hill's matrix")]
+    Sudden {
+        /// Its name.
+        contact: String,
+    },
     /// A set-valued law has no derivative at rest.
     #[error("contact {contact:?} is held at rest by a law that has no derivative there")]
     Held {
@@ -162,8 +168,6 @@ pub(crate) struct Local {
     pub(crate) rate: Vec<Complex64>,
     /// Likewise of the force in N.
     pub(crate) force: Vec<Complex64>,
-    /// Size of what the samples may have missed of κ, in N/m.
-    unresolved: f64,
 }
 
 impl Plan {
@@ -196,14 +200,14 @@ impl Plan {
             each.map(|(contact, (report, motion))| self.local(contact, report, motion, omega)).collect()
         };
         let local = along(&motions)?;
-        let (hill, unresolved) = self.hill(&weighted, &local, omega)?;
+        let hill = self.hill(&weighted, &local, omega)?;
         let found = hill.multipliers()?;
-        let mut error = found.error + unresolved;
+        let mut error = found.error;
         // The solution leaves harmonics out; what they would change is seen one Newton step further on.
         let matrices = (mass, damping, stiffness);
         let step = Longer { plan: self, matrices, solution, local: &local, omega };
         if let Some(longer) = step.motions(&motions) {
-            let (longer, _) = self.hill(&weighted, &along(&longer)?, omega)?;
+            let longer = self.hill(&weighted, &along(&longer)?, omega)?;
             error += CAUTION * distance(&longer.multipliers_with(found.truncation)?, &found.values);
         }
         // μ = λ^p over all p periods of the coefficients in one of the excitation.
@@ -234,16 +238,13 @@ impl Plan {
         self.harmonics.fundamental * self.halves()
     }
 
-    /// The system without dimensions, and a bound on what the samples of κ missed.
-    fn hill(&self, weighted: &Weighted, local: &[Local], omega: f64) -> Result<(Hill, f64), NoStability> {
+    /// The system without dimensions.
+    fn hill(&self, weighted: &Weighted, local: &[Local], omega: f64) -> Result<Hill, NoStability> {
         let halves = self.halves();
         let omega = omega * halves as f64;
-        let mut unresolved = 0.0;
         let springs = self.contacts.iter().zip(local).map(|(contact, local)| {
             let direction = forward(&weighted.root, &direction(contact, weighted.root.nrows()));
             let scale = contact.scale / (omega * omega);
-            let square: f64 = direction.iter().map(|b| b * b).sum();
-            unresolved += TAU * square * scale * local.unresolved;
             let every = |all: &[Complex64], by: f64| all.iter().step_by(halves).map(|z| z * by).collect();
             PeriodicSpring {
                 direction,
@@ -254,7 +255,7 @@ impl Plan {
         let springs: Vec<PeriodicSpring> = springs.collect();
         let stiffness = &weighted.stiffness * faer::Scale(1.0 / (omega * omega));
         let damping = &weighted.damping * faer::Scale(1.0 / omega);
-        Ok((Hill::new(&stiffness, &damping, &springs)?, unresolved))
+        Ok(Hill::new(&stiffness, &damping, &springs)?)
     }
 
     /// κ, c and the force of a contact along its motion.
@@ -292,11 +293,12 @@ impl Plan {
             let mut of = |values: &[f64]| transform.to_coefficients(values, &mut buffers).to_vec();
             let stiffness = of(&tangent.local);
             let rate = tangent.rate().map_or(Vec::new(), &mut of);
-            let missed = unresolved(&stiffness).max(unresolved(&rate));
-            if missed == 0.0 || samples >= MOST_SAMPLES {
+            if resolved(&stiffness) && resolved(&rate) {
                 let force = of(&force);
-                let (stiffness, rate) = (trimmed(stiffness), trimmed(rate));
-                return Ok(Local { stiffness, rate, force, unresolved: missed });
+                return Ok(Local { stiffness: trimmed(stiffness), rate: trimmed(rate), force });
+            }
+            if samples >= MOST_SAMPLES {
+                return Err(NoStability::Sudden { contact: name() });
             }
             samples *= 2;
         }
@@ -307,15 +309,14 @@ impl Local {
     /// A spring that does not change.
     fn spring(stiffness: f64) -> Self {
         let stiffness = vec![Complex64::from(stiffness)];
-        Self { stiffness, rate: Vec::new(), force: Vec::new(), unresolved: 0.0 }
+        Self { stiffness, rate: Vec::new(), force: Vec::new() }
     }
 }
 
-/// What the coefficients' upper half says about those that are not there; zero where it is next to nothing.
-fn unresolved(coefficients: &[Complex64]) -> f64 {
+/// Whether the upper half of the coefficients is next to nothing, so that those that are not there are less.
+fn resolved(coefficients: &[Complex64]) -> bool {
     let size = |part: &[Complex64]| part.iter().map(|z| z.norm()).fold(0.0, f64::max);
-    let upper = coefficients.get(coefficients.len() / 2..).unwrap_or_default();
-    if size(upper) <= RESOLVED * size(coefficients) { 0.0 } else { upper.iter().map(|z| z.norm()).sum() }
+    size(coefficients.get(coefficients.len() / 2..).unwrap_or_default()) <= RESOLVED * size(coefficients)
 }
 
 /// Without what is rounding at the end.

@@ -111,3 +111,36 @@ pub(super) fn by_stability(points: impl Iterator<Item = ((f64, Option<f64>), boo
     }
     (stable, unstable)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_beside_an_unstable_point_are_dashed() {
+        let points = (0..6).map(|i| (f64::from(i), Some(1.0)));
+        let unstable = [false, false, true, false, false, false];
+        let (solid, dashed) = by_stability(points.zip(unstable));
+        let places = |points: &Points| points.iter().map(|(x, a)| a.map(|_| *x)).collect::<Vec<_>>();
+        assert_eq!(places(&solid), [Some(0.0), Some(1.0), None, Some(3.0), Some(4.0), Some(5.0)]);
+        assert_eq!(places(&dashed), [Some(1.0), Some(2.0), Some(3.0), None]);
+    }
+
+    #[test]
+    fn an_unstable_part_is_drawn_dashed() {
+        let mut plot = CurvePlot {
+            title: String::new(),
+            parameter: "frequency (Hz)".into(),
+            panels: vec![CurvePanel {
+                title: "w".into(),
+                points: (1..9).map(|i| (f64::from(i), f64::from(i))).collect(),
+                unstable: Vec::new(),
+                folds: Vec::new(),
+            }],
+            quantity: "|W_1|".into(),
+        };
+        assert!(!draw(&plot).unwrap().contains("stroke-dasharray"));
+        plot.panels[0].unstable = (1..9).map(|i| (4..6).contains(&i)).collect();
+        assert!(draw(&plot).unwrap().contains("stroke-dasharray"));
+    }
+}

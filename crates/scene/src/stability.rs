@@ -120,7 +120,8 @@ pub(crate) fn explain(scene: &Scene) -> Step {
         true => step(
             what,
             true,
-            "friction remembers: multipliers of the exact orbit beside each solution, of Hill's matrix where all contacts stick",
+            "contacts remember or open: multipliers of the exact orbit beside each solution; of Hill's matrix where all of them \
+             stick or stay closed",
         ),
         false => {
             step(what, true, "no contact remembers: Hill's matrix of the linearised balance, without sorting")

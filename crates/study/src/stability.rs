@@ -18,6 +18,9 @@ const MOST_DOFS: usize = 60;
 /// A relative distance between the spectra of orbit and balance beyond which nobody knows whether they are the same motion.
 const SAME: f64 = 0.1;
 
+/// Dofs that move less than this part of the largest one do not count.
+const AT_REST: f64 = 1e-6;
+
 /// Error of an orbit's multipliers, relative to the largest or to one: events and their jumps are found to rounding, and
 /// followed for one period.
 const ERROR: f64 = 1e-9;
@@ -115,17 +118,17 @@ fn every_dof(system: &System, orders: &[usize], solution: &Solution) -> Vec<Vec<
     rows
 }
 
-/// Relative l2 distance of the moving parts of two sets of spectra.
+/// The worst relative l2 distance between the spectra of a dof, the mean left out; dofs that hardly move do not count.
 fn distance(orbit: &Orbit, orders: &[usize], rows: &[Vec<Complex64>]) -> f64 {
     let highest = orders.last().copied().unwrap_or(0);
-    let (mut apart, mut size) = (0.0, 0.0);
-    for (dof, row) in rows.iter().enumerate() {
+    let each = rows.iter().enumerate().map(|(dof, row)| {
         let exact = orbit.spectrum(dof, highest);
-        for (&k, w) in orders.iter().zip(row).filter(|(k, _)| **k > 0) {
-            let exact = exact.get(k).copied().unwrap_or_default();
-            apart += (w - exact).norm_sqr();
-            size += exact.norm_sqr();
-        }
-    }
-    f64::sqrt(apart / size)
+        let moving = || orders.iter().zip(row).filter(|(k, _)| **k > 0);
+        let of = |k: usize| exact.get(k).copied().unwrap_or_default();
+        let apart: f64 = moving().map(|(&k, w)| (w - of(k)).norm_sqr()).sum();
+        (apart.sqrt(), moving().map(|(&k, _)| of(k).norm_sqr()).sum::<f64>().sqrt())
+    });
+    let each: Vec<(f64, f64)> = each.collect();
+    let largest = each.iter().map(|(_, size)| *size).fold(0.0, f64::max);
+    each.iter().map(|(apart, size)| apart / size.max(AT_REST * largest)).fold(0.0, f64::max)
 }
