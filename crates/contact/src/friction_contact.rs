@@ -9,6 +9,7 @@ use crate::joint::{
     Coupling, JointChange, JointLaw, JointMarks, JointMotion, JointPiecewiseLinear, JointWorkspace,
 };
 use crate::law::ContactState;
+use crate::mechanism::JointMechanism;
 use crate::normal_contact::{NormalContact, NormalContactParameters};
 use crate::sliding_period::{Regime, SlidingPeriod};
 
@@ -219,6 +220,14 @@ impl JointLaw for FrictionContact {
             self.derivative_in::<1>(change, workspace, derivative);
         } else {
             self.derivative_in::<2>(change, workspace, derivative);
+        }
+    }
+
+    fn mechanism(&self) -> JointMechanism {
+        JointMechanism::Friction {
+            tangential_stiffness: self.stiffness,
+            friction_coefficient: self.friction,
+            normal: self.normal.spring(),
         }
     }
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::ParameterError;
+use crate::mechanism::UnilateralSpring;
 
 /// Parameters of [`NormalContact`]: exactly one of `preload` and `gap`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -101,6 +102,15 @@ impl NormalContact {
             Rest::Preload(preload) => preload,
             Rest::Gap(_) => 0.0,
         }
+    }
+
+    /// The same for those who integrate motions.
+    pub fn spring(&self) -> UnilateralSpring {
+        let (pressure_at_zero, balanced) = match self.rest {
+            Rest::Preload(preload) => (preload, preload),
+            Rest::Gap(gap) => (-self.stiffness * gap, 0.0),
+        };
+        UnilateralSpring { stiffness: self.stiffness, pressure_at_zero, balanced }
     }
 
     /// f_n in N for the load that [`NormalContact::load`] gave.

@@ -177,6 +177,13 @@ impl Scene {
         self
     }
 
+    /// The same scene with the stability of every point wanted.
+    #[must_use]
+    pub fn with_stability(mut self) -> Self {
+        self.settings.stability = true;
+        self
+    }
+
     /// The scene's name; that of its file when it has none.
     pub fn name(&self) -> &str {
         &self.name
