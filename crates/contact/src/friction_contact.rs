@@ -32,10 +32,10 @@ pub struct FrictionContactParameters {
 /// Spring k_t in series with a Coulomb slider of limit μN, and a unilateral spring k_n in the normal direction.
 ///
 /// The tangential force is f = k_t (w − s) with the slider s in the interval (two directions: the disc) of radius μN/k_t around
-/// w; it moves only when its edge pushes it, along −f's direction. Apart there is no force and the slider follows. Of the
+/// w; it moves only when its edge pushes it, in the direction of f. Apart there is no force and the slider follows. Of the
 /// periodic states of a contact that never slips, the one is taken whose slider is nearest to the mean displacement; where it
-/// slips or lifts off in every period there is only one. Between samples the displacement is taken as linear in time: the
-/// forces carry an error of O(M⁻²).
+/// slips or lifts off in every period there is only one. Between samples the displacement is taken as linear in time: sampled
+/// forces carry an error of O(M⁻²). With one tangential direction the forces are known by their events too, without that error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionContact {
     tangential: usize,

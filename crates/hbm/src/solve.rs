@@ -353,7 +353,9 @@ impl Plan {
     fn fail(&self, law_error: Option<LawError>, residual: f64, ws: &Workspace, solution: &mut Solution) {
         let reason = match law_error {
             Some(LawError::NoMotion) => FailureReason::HoldingLimit,
-            Some(error @ LawError::NegativeMagnitude { .. }) => FailureReason::Law(error),
+            Some(error @ (LawError::NegativeMagnitude { .. } | LawError::NoPeriodicState { .. })) => {
+                FailureReason::Law(error)
+            }
             _ if self.singular_harmonic(ws).is_some() => {
                 FailureReason::SingularStructure { harmonic: self.singular_harmonic(ws).unwrap_or(0) }
             }
