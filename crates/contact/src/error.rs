@@ -66,4 +66,17 @@ pub enum LawError {
     /// The displacement is not a finite number.
     #[error("the displacement is not a finite number")]
     NotFinite,
+    /// The state of the contact still changed after many periods of the motion.
+    #[error(
+        "the contact found no periodic state in {cycles} periods (its slider still moved by {change:.1e} m)"
+    )]
+    NoPeriodicState {
+        /// Periods that were followed.
+        cycles: usize,
+        /// Change of the state over the last one, in m.
+        change: f64,
+    },
+    /// The buffers belong to another law or another number of samples.
+    #[error("the workspace was made by another law or for another number of samples or directions")]
+    OtherWorkspace,
 }

@@ -11,6 +11,7 @@ use num_complex::Complex64;
 
 use crate::error::LawError;
 use crate::law::ContactState;
+use crate::mechanism::JointMechanism;
 
 /// One period of the relative displacement of a joint.
 #[derive(Debug, Clone, Copy)]
@@ -125,4 +126,9 @@ pub trait JointLaw: Send + Sync + fmt::Debug {
         workspace: &mut dyn JointWorkspace,
         derivative: &mut [f64],
     );
+
+    /// What moves the joint in time, for those who integrate motions.
+    fn mechanism(&self) -> JointMechanism {
+        JointMechanism::None { why: "its forces at an instant depend on the whole period" }
+    }
 }

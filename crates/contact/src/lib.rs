@@ -14,6 +14,12 @@
 //! | [`Cubic`] | `cubic.rs` | k₃ w³ |
 //! | [`Linear`] | `linear.rs` | k w |
 //!
+//! A contact in several directions, friction under a normal load that the motion changes, is a [`JointLaw`]:
+//!
+//! | law | file | forces |
+//! |---|---|---|
+//! | [`FrictionContact`] | `friction_contact.rs` | spring and Coulomb slider in one or two directions, limit μN; N unilateral |
+//!
 //! The numbers of eqs (6) and (7) are identified from measured loops by [`identification::identify`].
 //!
 //! "The paper" is T. Hoffmann, L. Panning-von Scheidt, J. Wallaschek, *Modelling friction characteristics in
@@ -28,12 +34,14 @@
 //!   the vibrating mass is `−f`.
 
 mod backbone;
+mod common_point;
 mod coulomb;
 mod cubic;
 mod elastic_coulomb;
 mod error;
 mod events;
 mod family_curve;
+mod friction_contact;
 pub mod identification;
 mod iwan;
 mod joint;
@@ -45,12 +53,16 @@ mod loop_family;
 mod masing;
 mod masing_tangent;
 mod mechanism;
+mod normal_contact;
+mod partials;
 mod path;
 mod place;
 mod polygon;
 mod real;
 mod scaled_loop;
 mod scaling;
+mod slider;
+mod sliding_period;
 mod tangent;
 mod turning_points;
 #[cfg(test)]
@@ -61,12 +73,14 @@ pub use cubic::{Cubic, CubicParameters};
 pub use elastic_coulomb::{ElasticCoulomb, ElasticCoulombParameters};
 pub use error::{LawError, ParameterError};
 pub use events::{ForcePiece, PiecewiseLinear};
+pub use friction_contact::{FrictionContact, FrictionContactParameters};
 pub use iwan::{Iwan, IwanParameters};
 pub use joint::{JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace};
 pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 pub use linear::{Linear, LinearParameters};
 pub use loop_family::LoopFamily;
-pub use mechanism::{Mechanism, SmoothForce};
+pub use mechanism::{JointMechanism, Mechanism, SmoothForce, UnilateralSpring};
+pub use normal_contact::{NormalContact, NormalContactParameters};
 pub use scaled_loop::{ScaledLoop, Symmetry};
 pub use scaling::{MagnitudeLaw, PhaseLaw};
 pub use tangent::{Recall, Recalled, Tangent};

@@ -18,6 +18,8 @@ pub(crate) trait Real:
     fn value(self) -> f64;
     /// √x.
     fn sqrt(self) -> Self;
+    /// e^x.
+    fn exp(self) -> Self;
     /// ln(1 + x).
     fn ln_1p(self) -> Self;
     /// tanh x.
@@ -33,6 +35,11 @@ impl Real for f64 {
     #[inline(always)]
     fn sqrt(self) -> Self {
         f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        f64::exp(self)
     }
 
     #[inline(always)]
@@ -54,6 +61,10 @@ impl Real for num_dual::Dual64 {
 
     fn sqrt(self) -> Self {
         num_dual::DualNum::sqrt(&self)
+    }
+
+    fn exp(self) -> Self {
+        num_dual::DualNum::exp(&self)
     }
 
     fn ln_1p(self) -> Self {

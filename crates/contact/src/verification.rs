@@ -2,6 +2,7 @@
 //! Transforms here are naive sums, so that nothing under test also judges.
 
 mod family;
+mod friction_contact;
 mod iwan;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -228,6 +228,14 @@ impl Structure {
         self.matrices.dofs()
     }
 
+    /// M, D and C, where they are dense.
+    pub(crate) fn dense(&self) -> Option<(&Mat<f64>, &Mat<f64>, &Mat<f64>)> {
+        match &self.matrices {
+            Matrices::Dense { mass, damping, stiffness } => Some((mass, damping, stiffness)),
+            Matrices::Sparse(_) => None,
+        }
+    }
+
     /// Contacts whose relative displacements, with these signs, add up to output dof `o`.
     pub(crate) fn path_to_ground(&self, o: usize) -> Option<&[(usize, f64)]> {
         self.paths.get(o)?.as_deref()

@@ -119,13 +119,13 @@ const FOLD: f64 = 1e-7;
 
 /// A place on the curve: real unknowns, parameter, tangent.
 #[derive(Debug, Clone, Default)]
-struct Place {
-    unknowns: Vec<f64>,
-    parameter: f64,
+pub(crate) struct Place {
+    pub(crate) unknowns: Vec<f64>,
+    pub(crate) parameter: f64,
     /// Unit tangent in the metric of this place: real unknowns, then the parameter.
-    tangent: Vec<f64>,
+    pub(crate) tangent: Vec<f64>,
     /// Relative residual.
-    residual: f64,
+    pub(crate) residual: f64,
 }
 
 /// The response of `problem` as a curve from one frequency in Hz to another, with N harmonics solved by Newton's method
@@ -247,24 +247,26 @@ impl Place {
 }
 
 /// The machinery of one curve.
-struct Tracer<'c> {
-    course: &'c mut dyn Course,
-    ws: &'c mut Workspace,
+pub(crate) struct Tracer<'c> {
+    pub(crate) course: &'c mut dyn Course,
+    pub(crate) ws: &'c mut Workspace,
     /// Direction of the first step along the parameter.
     forward: f64,
     /// Longest step of the parameter.
     longest: f64,
     /// Below this the parameter is as good as zero.
-    least: f64,
+    pub(crate) least: f64,
     /// Relative length of the next step.
-    length: f64,
+    pub(crate) length: f64,
+    /// Newton steps of correctors so far.
+    pub(crate) corrections: usize,
     lu: Lu<f64>,
     column: Mat<f64>,
     slope: Vec<c64>,
 }
 
 impl<'c> Tracer<'c> {
-    fn new(
+    pub(crate) fn new(
         course: &'c mut dyn Course,
         ws: &'c mut Workspace,
         (from, to): (f64, f64),
@@ -276,6 +278,7 @@ impl<'c> Tracer<'c> {
             longest: options.longest_step * (to - from).abs(),
             least: LEAST * (to - from).abs(),
             length: FIRST_STEP,
+            corrections: 0,
             lu: Lu::new(2 * entries + 1, 1),
             column: Mat::zeros(2 * entries + 1, 1),
             slope: vec![c64::ZERO; entries],
@@ -291,7 +294,7 @@ impl<'c> Tracer<'c> {
     }
 
     /// Copies real unknowns to the complex ones of the workspace.
-    fn load(&mut self, unknowns: &[f64]) {
+    pub(crate) fn load(&mut self, unknowns: &[f64]) {
         let (plan, width) = (self.course.plan(), self.ws.point.width());
         let balance = plan.balance(self.ws.goal);
         for entry in 0..plan.rungs[self.ws.goal].slots * width {
@@ -301,7 +304,7 @@ impl<'c> Tracer<'c> {
     }
 
     /// Writes complex entries `[slot][i]` as real ones.
-    fn real(&self, entries: &[c64]) -> Vec<f64> {
+    pub(crate) fn real(&self, entries: &[c64]) -> Vec<f64> {
         let (plan, width) = (self.course.plan(), self.ws.point.width());
         let balance = plan.balance(self.ws.goal);
         let mut real = vec![0.0; self.size()];
@@ -316,7 +319,7 @@ impl<'c> Tracer<'c> {
     }
 
     /// Residual at real unknowns and parameter; its norm relative to the excitation.
-    fn evaluate(&mut self, unknowns: &[f64], parameter: f64) -> Option<f64> {
+    pub(crate) fn evaluate(&mut self, unknowns: &[f64], parameter: f64) -> Option<f64> {
         if !self.course.place(parameter, self.ws) {
             return None;
         }
@@ -373,7 +376,7 @@ impl<'c> Tracer<'c> {
     }
 
     /// The place where the workspace is, with the tangent that leads forward.
-    fn begin(&mut self, parameter: f64) -> Place {
+    pub(crate) fn begin(&mut self, parameter: f64) -> Place {
         let unknowns = self.real(&self.ws.unknowns);
         let mut border = vec![0.0; unknowns.len() + 1];
         if let Some(last) = border.last_mut() {
@@ -389,7 +392,7 @@ impl<'c> Tracer<'c> {
     }
 
     /// One step forward and its length; shorter ones until one succeeds.
-    fn step(&mut self, from: &Place) -> Option<(Place, f64)> {
+    pub(crate) fn step(&mut self, from: &Place) -> Option<(Place, f64)> {
         let metric = Metric::at(from, self.least);
         while self.length >= SHORTEST_STEP {
             let along = from.tangent.last().map_or(0.0, |t| t.abs());
@@ -412,16 +415,28 @@ impl<'c> Tracer<'c> {
     }
 
     /// Predictor and corrector; the place and how many corrections it took.
-    fn advance(&mut self, from: &Place, metric: &Metric, length: f64) -> Option<(Place, usize)> {
-        let guess: Vec<f64> = metric.moved(from, length);
+    pub(crate) fn advance(&mut self, from: &Place, metric: &Metric, length: f64) -> Option<(Place, usize)> {
         let border = metric.row(&from.tangent);
-        let mut here = guess.clone();
+        self.correct(&metric.moved(from, length), metric, &border, 2.0 * length.abs().max(1e-3))
+    }
+
+    /// Newton's method from a guess, on the plane through it across `border`, no step of it longer than `farthest`; the
+    /// place and how many corrections it took.
+    pub(crate) fn correct(
+        &mut self,
+        guess: &[f64],
+        metric: &Metric,
+        border: &[f64],
+        farthest: f64,
+    ) -> Option<(Place, usize)> {
+        let mut here = guess.to_vec();
         let mut last_step = f64::INFINITY;
         let tolerance = self.course.plan().criteria().tolerance;
         for correction in 1..=CORRECTIONS {
             let (parameter, unknowns) = here.split_last()?;
+            self.corrections += 1;
             let residual = self.evaluate(unknowns, *parameter)?;
-            if !self.factor(*parameter, &border) {
+            if !self.factor(*parameter, border) {
                 return None;
             }
             let settled = residual <= FLOOR && last_step <= ROUNDING;
@@ -438,14 +453,11 @@ impl<'c> Tracer<'c> {
                 return Some((place, correction));
             }
             let upper = self.real(&self.ws.balance[self.ws.goal].residual);
-            let off: f64 = border.iter().zip(here.iter().zip(&guess)).map(|(b, (x, g))| b * (x - g)).sum();
+            let off: f64 = border.iter().zip(here.iter().zip(guess)).map(|(b, (x, g))| b * (x - g)).sum();
             let step = self.solve(Some(&upper), off);
             let size = metric.product(&step, &step).sqrt();
             // Diverging: the step was too long.
-            if !size.is_finite()
-                || size > 2.0 * length.abs().max(1e-3)
-                || (correction > 3 && size > 0.7 * last_step)
-            {
+            if !size.is_finite() || size > farthest || (correction > 3 && size > 0.7 * last_step) {
                 return None;
             }
             for (x, step) in here.iter_mut().zip(&step) {
@@ -488,7 +500,7 @@ impl<'c> Tracer<'c> {
     }
 
     /// Whether a contact whose law is set-valued at rest hardly moves any more at the place evaluated last.
-    fn comes_to_rest(&self) -> bool {
+    pub(crate) fn comes_to_rest(&self) -> bool {
         let (plan, width) = (self.course.plan(), self.ws.point.width());
         let slots = plan.rungs[self.ws.goal].slots;
         let moves = |row: usize| (0..slots).any(|slot| self.ws.unknowns[slot * width + row].norm() > AT_REST);
@@ -499,7 +511,7 @@ impl<'c> Tracer<'c> {
     /// Amplitudes of the output dofs at the base frequency, at a place.
     fn amplitudes(&mut self, place: &Place) -> Vec<f64> {
         let slot = self.course.plan().first_slot();
-        let solution = self.point(place, 0.0).solution;
+        let solution = self.solution(place);
         let first = |row: &Vec<c64>| slot.and_then(|slot| row.get(slot)).map_or(0.0, |w| w.norm());
         solution.displacement.iter().map(first).collect()
     }
@@ -561,31 +573,38 @@ impl<'c> Tracer<'c> {
     }
 
     /// A place as a solution.
-    fn point(&mut self, place: &Place, arclength: f64) -> CurvePoint {
+    pub(crate) fn solution(&mut self, place: &Place) -> Solution {
         let residual = self.evaluate(&place.unknowns, place.parameter).unwrap_or(place.residual);
         let frequency = self.course.frequency(place.parameter);
         let mut solution = Solution::empty(frequency, self.course.plan().slots());
         self.course.plan().report(Status::Converged, residual, self.ws, &mut solution);
+        solution
+    }
+
+    /// A place as a point of the curve.
+    fn point(&mut self, place: &Place, arclength: f64) -> CurvePoint {
+        let mut solution = self.solution(place);
+        self.course.plan().judge(&mut solution);
         CurvePoint { parameter: place.parameter, arclength, fold: false, peaks: Vec::new(), solution }
     }
 }
 
 /// Lengths relative to the amplitude and the parameter of a place.
-struct Metric {
+pub(crate) struct Metric {
     /// 1/‖û‖² and 1/λ², λ no less than a small part of the range: it may pass through zero.
     weights: (f64, f64),
 }
 
 impl Metric {
     /// Parameters below `least` are measured as if they were so large.
-    fn at(place: &Place, least: f64) -> Self {
+    pub(crate) fn at(place: &Place, least: f64) -> Self {
         let size: f64 = place.unknowns.iter().map(|u| u * u).sum();
         let parameter = place.parameter.abs().max(least).powi(2);
         let weight = |square: f64| if square > 0.0 { 1.0 / square } else { 1.0 };
         Self { weights: (weight(size), weight(parameter)) }
     }
 
-    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+    pub(crate) fn product(&self, a: &[f64], b: &[f64]) -> f64 {
         match (a.split_last(), b.split_last()) {
             (Some((a_last, a)), Some((b_last, b))) => {
                 let unknowns: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
@@ -595,7 +614,7 @@ impl Metric {
         }
     }
 
-    fn normalise(&self, tangent: &mut [f64]) {
+    pub(crate) fn normalise(&self, tangent: &mut [f64]) {
         let size = self.product(tangent, tangent).sqrt();
         for entry in tangent.iter_mut() {
             *entry /= size;
@@ -603,14 +622,14 @@ impl Metric {
     }
 
     /// The row whose product with a vector is the metric's product with `tangent`.
-    fn row(&self, tangent: &[f64]) -> Vec<f64> {
+    pub(crate) fn row(&self, tangent: &[f64]) -> Vec<f64> {
         let last = tangent.len().saturating_sub(1);
         let weight = |i: usize| if i == last { self.weights.1 } else { self.weights.0 };
         tangent.iter().enumerate().map(|(i, t)| t * weight(i)).collect()
     }
 
     /// The place at a distance along the tangent.
-    fn moved(&self, from: &Place, length: f64) -> Vec<f64> {
+    pub(crate) fn moved(&self, from: &Place, length: f64) -> Vec<f64> {
         let start = from.unknowns.iter().chain([&from.parameter]);
         start.zip(&from.tangent).map(|(x, t)| x + length * t).collect()
     }

@@ -35,6 +35,18 @@ pub(crate) trait Course {
 const DIFFERENCE: f64 = 1e-7;
 
 impl Plan {
+    /// Makes the workspace ready for evaluations at `hertz`, in units of its own, all contacts moving.
+    pub(crate) fn begin(&self, hertz: f64, ws: &mut Workspace) -> bool {
+        let slots = self.slots();
+        if self.structure.condense_alone(hertz, 0..slots, &mut ws.condensed).is_err() {
+            return false;
+        }
+        (ws.goal, ws.ready) = (self.top, slots);
+        ws.held.fill(false);
+        ws.point.set(&ws.condensed, &self.contacts, slots, &ws.held);
+        true
+    }
+
     /// Makes the workspace ready for evaluations at `hertz`, in the units of the point solved last.
     fn place(&self, hertz: f64, ws: &mut Workspace) -> bool {
         let slots = self.slots();
@@ -101,7 +113,7 @@ impl Plan {
 /// Continuation in the frequency.
 #[derive(Debug)]
 pub(crate) struct FrequencyCourse {
-    plan: Plan,
+    pub(crate) plan: Plan,
     /// Frequencies in Hz at which the linear structure is resonant, and half-power bandwidths.
     resonances: Vec<(f64, f64)>,
 }
@@ -111,6 +123,16 @@ impl FrequencyCourse {
     pub(crate) fn new(problem: &Problem, settings: &Settings) -> Result<Self, PlanError> {
         let plan = Plan::new(problem, &whole(settings))?;
         Ok(Self { resonances: resonances(problem, plan.orders()), plan })
+    }
+
+    /// The same for a short way near a point that is known: no resonance is looked for.
+    pub(crate) fn nearby(problem: &Problem, settings: &Settings) -> Result<Self, PlanError> {
+        Ok(Self { resonances: Vec::new(), plan: Plan::new(problem, &whole(settings))? })
+    }
+
+    /// Frequencies in Hz at which the linear structure is resonant, with contacts sticking or without any.
+    pub(crate) fn resonant(&self) -> impl Iterator<Item = f64> {
+        self.resonances.iter().map(|(hertz, _)| *hertz)
     }
 }
 

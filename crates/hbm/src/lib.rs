@@ -19,6 +19,7 @@ mod error;
 mod estimate;
 mod free_motion;
 mod harmonics;
+mod hill;
 mod holding;
 mod krylov;
 mod ladder;
@@ -26,6 +27,11 @@ mod matrices;
 mod modal;
 mod mode;
 mod newton;
+mod peak;
+mod peak_branch;
+mod peak_optimum;
+mod peak_search;
+mod peak_survey;
 mod pieces;
 mod plan;
 mod point;
@@ -36,6 +42,7 @@ mod settings;
 mod solution;
 mod solve;
 mod sparse;
+mod stability;
 mod sweep;
 mod transform;
 #[cfg(test)]
@@ -44,7 +51,12 @@ mod waveform;
 
 pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, entry_curve, frequency_curve};
 pub use error::PlanError;
+pub use hill::{Hill, HillError, Multipliers, PeriodicSpring};
 pub use mode::{ModeEnd, ModeOptions, ModePoint, NonlinearMode, Origin, nonlinear_mode};
+pub use peak::{
+    Optimum, OptimumKind, Peak, PeakCurve, PeakEffort, PeakEnd, PeakOptions, PeakPoint, PeakStatus,
+    follow_peaks,
+};
 pub use plan::{Plan, PlanFacts, Receptances, Workspace};
 pub use problem::{Contact, Direction, Excitation, ExcitationKind, Joint, Problem};
 pub use settings::{Jacobian, LinearSolver, Settings, Start};
@@ -52,5 +64,6 @@ pub use solution::{
     ContactSolution, DirectionSolution, FailureReason, JointSolution, Solution, Stats, Status, Waveform,
     WaveformContact,
 };
+pub use stability::{NoStability, Stability, StabilityMethod, Verdict};
 pub use structure::{Damping, Model, ModelError, SparseDamping, SparseModel};
 pub use sweep::{Sweep, SweepOptions, sweep};

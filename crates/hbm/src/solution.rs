@@ -5,6 +5,8 @@ use std::fmt;
 use contact::{ContactState, LawError};
 use num_complex::Complex64;
 
+use crate::stability::Stability;
+
 /// How a point ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Status {
@@ -171,6 +173,8 @@ pub struct Solution {
     pub contacts: Vec<ContactSolution>,
     /// One entry a joint. Empty when the point failed.
     pub joints: Vec<JointSolution>,
+    /// Floquet multipliers, where they were asked for and Hill's method has them; [`crate::Plan::stability`] says why not.
+    pub stability: Option<Stability>,
     /// What it took.
     pub stats: Stats,
     /// The other solutions, where asked for.
@@ -200,6 +204,7 @@ impl Solution {
             displacement: Vec::new(),
             contacts: Vec::new(),
             joints: Vec::new(),
+            stability: None,
             stats: Stats::default(),
             others: Vec::new(),
         }
@@ -215,6 +220,7 @@ impl Solution {
         self.residual = f64::INFINITY;
         self.residual_history.clear();
         self.solutions = None;
+        self.stability = None;
         self.stats = Stats::default();
         self.others.clear();
     }

@@ -72,6 +72,7 @@ impl Plan {
         if solution.status.solved() && !solution.is_finite() {
             solution.fail(FailureReason::NotConverged);
         }
+        self.judge(solution);
         solution.stats = ws.stats;
         ws.has_previous = solution.status.solved();
     }

@@ -39,7 +39,7 @@ impl Plan {
     }
 
     /// Harmonics of the base frequency 0..=n from the plan's slots, differentiated `order` times.
-    fn dense(&self, slots: &[Complex64], order: i32) -> Vec<Complex64> {
+    pub(crate) fn dense(&self, slots: &[Complex64], order: i32) -> Vec<Complex64> {
         let mut spectrum = vec![Complex64::ZERO; self.harmonics.asked + 1];
         for (&k, &amplitude) in self.harmonics.reduced.iter().zip(slots) {
             if let Some(entry) = spectrum.get_mut(k) {

@@ -120,6 +120,9 @@ pub enum OrbitError {
         /// Instant in s.
         time: f64,
     },
+    /// The eigenvalues of the monodromy matrix were not found.
+    #[error("the Floquet multipliers of the orbit could not be computed: the eigenvalue iteration failed")]
+    Eigenvalues,
     /// Steps of the integrator become too small.
     #[error("the integrator cannot keep its tolerance at {time:e} s: the force changes too fast")]
     Stiff {

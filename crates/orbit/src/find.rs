@@ -20,7 +20,7 @@ pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbi
     let system = Scaled::new(system, frequency)?;
     let start = start(&system, settings)?;
     let odd = system.is_odd();
-    let (closed, (path, end, _), weights) = if system.joints.iter().any(|joint| joint.smooth.is_some()) {
+    let (closed, (path, end, _), weights) = if system.is_smooth() {
         let mut map = Smooth::new(&system, settings.tolerance);
         let closed = close(&mut map, start, (odd, false), settings)?;
         let record = map.record(&closed.state, TAU)?;
@@ -47,6 +47,7 @@ pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbi
         closure,
         iterations: closed.iterations,
         periods: closed.periods,
+        tolerance: settings.tolerance,
         path,
         system,
     })

@@ -15,6 +15,7 @@ mod dynamic_stiffness;
 mod error;
 mod find;
 mod flow;
+mod monodromy;
 mod orbit;
 mod path;
 mod piecewise;

@@ -20,6 +20,8 @@ pub struct Orbit {
     pub(crate) closure: f64,
     pub(crate) iterations: usize,
     pub(crate) periods: usize,
+    /// Relative local error of the integrator.
+    pub(crate) tolerance: f64,
 }
 
 impl Orbit {

@@ -180,6 +180,11 @@ impl Scaled {
                     }));
                 }
                 Mechanism::Smooth(_) => smooth = Some(contact.law.clone()),
+                Mechanism::Unilateral(_) => {
+                    let why = "a contact that opens is not followed yet";
+                    let (contact, law) = (contact.name.clone(), contact.law.name());
+                    return Err(OrbitError::NoMechanism { contact, law, why });
+                }
                 Mechanism::None { why } => {
                     let (contact, law) = (contact.name.clone(), contact.law.name());
                     return Err(OrbitError::NoMechanism { contact, law, why });
@@ -205,6 +210,11 @@ impl Scaled {
         let at_rest = |load: &HarmonicLoad| load.force.iter().all(|force| force.norm() == 0.0);
         self.joints.iter().all(odd_law)
             && self.loads.iter().all(|load| load.harmonic % 2 == 1 || at_rest(load))
+    }
+
+    /// Whether a contact has a smooth law: the motion is then integrated instead of followed by its events.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.joints.iter().any(|joint| joint.smooth.is_some())
     }
 
     /// Unit of contact forces in N.

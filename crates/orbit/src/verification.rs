@@ -94,3 +94,40 @@ fn the_derivative_of_the_smooth_map_agrees_with_differences() {
         }
     }
 }
+
+/// The monodromy matrix in SI units against differences of the period map of the same state.
+#[test]
+fn monodromy_has_the_units_of_the_state() {
+    let jenkins = ElasticCoulomb::new(ElasticCoulombParameters { stiffness: 2e6, slip_force: 2.0 }).unwrap();
+    let backbone = [[1e-6, 1.0], [3e-6, 2.0], [9e-6, 3.0], [4e-5, 4.0]];
+    let stack = Iwan::from_backbone(&backbone).unwrap();
+    let system = system([Arc::new(jenkins), Arc::new(stack)]);
+    let orbit = crate::find(&system, 70.0, &crate::Settings::default()).unwrap();
+    let found = orbit.monodromy().unwrap();
+    let scaled = Scaled::new(&system, 70.0).unwrap();
+    let n = orbit.state.len();
+    let unit = |i: usize| match i {
+        0..3 => scaled.size / scaled.root_mass[i],
+        3..6 => scaled.size / scaled.root_mass[i - 3] * scaled.omega,
+        _ => scaled.sliders[i - 6].limit * scaled.force(),
+    };
+    let mut map = Piecewise::new(&scaled);
+    let mut end = Vec::new();
+    let mut moved = |j: usize, h: f64| {
+        let mut from = orbit.state.clone();
+        from[j] += h;
+        map.pass(&from, TAU, &mut end, None).unwrap();
+        end.clone()
+    };
+    let mut checked = 0;
+    for j in (0..n).filter(|&j| j < 6 || orbit.state[j].abs() < 0.99) {
+        let (up, down) = (moved(j, 1e-7), moved(j, -1e-7));
+        for i in 0..n {
+            let slope = (up[i] - down[i]) / 2e-7;
+            let error = (slope - found[(i, j)] * unit(j) / unit(i)).abs();
+            assert!(error < 1e-6, "entry {i} {j}: {slope} by differences");
+            checked += 1;
+        }
+    }
+    assert!(checked > 6 * n, "a slider sticks at t = 0");
+}

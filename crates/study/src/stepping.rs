@@ -172,6 +172,10 @@ impl<'a> Stepper<'a> {
                     Element::Sliders { sliders, spring }
                 }
                 Mechanism::Smooth(force) => Element::Smooth(force),
+                Mechanism::Unilateral(_) => {
+                    let why = "time stepping knows no contact that opens";
+                    return Err(SteppingError::NoMechanism { contact: contact.name.clone(), why });
+                }
                 Mechanism::None { why } => {
                     return Err(SteppingError::NoMechanism { contact: contact.name.clone(), why });
                 }
