@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use num_complex::Complex64;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use scene::{ContactPoint, Point, Spectrum};
+use scene::{ContactOutcome, ContactPoint, DirectionPoint, JointPoint, Point, Spectrum};
 
 use crate::arrays::{shaped, vector};
 
@@ -68,29 +68,85 @@ pub(crate) fn columns<'py>(
     Ok(columns)
 }
 
-/// By the contacts' names what they do.
+/// By the contacts' names what they do; those in several directions by direction.
 fn contacts<'py>(py: Python<'py>, points: &[&Point], orders: &[usize]) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
     let Some(names) = points.iter().find_map(|point| point.contacts.as_ref()) else { return Ok(all) };
-    for (index, (name, _)) in names.0.iter().enumerate() {
-        let rows: Vec<Option<&ContactPoint>> = points
+    for (index, (name, kind)) in names.0.iter().enumerate() {
+        let rows: Vec<Option<&ContactOutcome>> = points
             .iter()
             .map(|point| {
                 point.contacts.as_ref().and_then(|named| named.0.get(index)).map(|(_, contact)| contact)
             })
             .collect();
-        let numbers = |of: fn(&ContactPoint) -> f64| {
+        let contact = PyDict::new(py);
+        let number = |of: fn(&ContactOutcome) -> f64| {
             vector(py, rows.iter().map(|row| row.map_or(f64::NAN, of)).collect::<Vec<f64>>())
         };
-        let contact = PyDict::new(py);
-        contact.set_item("amplitude", numbers(|c| c.amplitude))?;
-        contact.set_item("dissipation", numbers(|c| c.dissipation))?;
-        contact.set_item("state", PyList::new(py, rows.iter().map(|row| row.map(|c| c.state)))?)?;
-        let extrapolated: Vec<bool> = rows.iter().map(|row| row.is_some_and(|c| c.extrapolated)).collect();
+        contact.set_item("dissipation", number(ContactOutcome::dissipation))?;
+        contact.set_item("state", PyList::new(py, rows.iter().map(|row| row.map(ContactOutcome::state)))?)?;
+        let extrapolated: Vec<bool> =
+            rows.iter().map(|row| row.is_some_and(ContactOutcome::extrapolated)).collect();
         contact.set_item("extrapolated", vector(py, extrapolated))?;
-        let forces = rows.iter().flat_map(|contact| row(contact.map(|c| &c.force), orders));
-        contact.set_item("force", shaped(py, forces.collect(), &[rows.len(), orders.len()])?)?;
+        let joint = match kind {
+            ContactOutcome::One(_) => {
+                let rows: Vec<Option<&ContactPoint>> = rows.iter().map(|row| row.and_then(one)).collect();
+                let amplitudes: Vec<f64> =
+                    rows.iter().map(|row| row.map_or(f64::NAN, |c| c.amplitude)).collect();
+                contact.set_item("amplitude", vector(py, amplitudes))?;
+                let forces = rows.iter().flat_map(|contact| row(contact.map(|c| &c.force), orders));
+                contact.set_item("force", shaped(py, forces.collect(), &[rows.len(), orders.len()])?)?;
+                all.set_item(name, contact)?;
+                continue;
+            }
+            ContactOutcome::Several(joint) => joint,
+        };
+        let joints: Vec<Option<&JointPoint>> = rows.iter().map(|row| row.and_then(several)).collect();
+        contact.set_item(
+            "apart",
+            vector(py, joints.iter().map(|row| row.map_or(f64::NAN, |c| c.apart)).collect::<Vec<f64>>()),
+        )?;
+        let directions = PyDict::new(py);
+        for (index, (direction, _)) in joint.directions.0.iter().enumerate() {
+            let rows: Vec<Option<&DirectionPoint>> = joints
+                .iter()
+                .map(|row| row.and_then(|c| c.directions.0.get(index)).map(|(_, d)| d))
+                .collect();
+            let columns = PyDict::new(py);
+            let amplitudes: Vec<f64> = rows.iter().map(|row| row.map_or(f64::NAN, |d| d.amplitude)).collect();
+            columns.set_item("amplitude", vector(py, amplitudes))?;
+            for (what, of) in
+                [("displacement", displacement as fn(&DirectionPoint) -> &Spectrum), ("force", force)]
+            {
+                let spectra = rows.iter().flat_map(|d| row(d.map(of), orders));
+                columns.set_item(what, shaped(py, spectra.collect(), &[rows.len(), orders.len()])?)?;
+            }
+            directions.set_item(direction, columns)?;
+        }
+        contact.set_item("directions", directions)?;
         all.set_item(name, contact)?;
     }
     Ok(all)
+}
+
+fn one(contact: &ContactOutcome) -> Option<&ContactPoint> {
+    match contact {
+        ContactOutcome::One(contact) => Some(contact),
+        ContactOutcome::Several(_) => None,
+    }
+}
+
+fn several(contact: &ContactOutcome) -> Option<&JointPoint> {
+    match contact {
+        ContactOutcome::One(_) => None,
+        ContactOutcome::Several(joint) => Some(joint),
+    }
+}
+
+fn displacement(direction: &DirectionPoint) -> &Spectrum {
+    &direction.displacement
+}
+
+fn force(direction: &DirectionPoint) -> &Spectrum {
+    &direction.force
 }

@@ -76,7 +76,10 @@ impl Responses {
                 response.linear.push((solution.frequency, amplitude(&linear)));
             }
         }
-        let left = |solution: &hbm::Solution| solution.contacts.iter().any(|contact| contact.extrapolated);
+        let left = |solution: &hbm::Solution| {
+            let joints = solution.joints.iter().map(|joint| joint.extrapolated);
+            solution.contacts.iter().map(|contact| contact.extrapolated).chain(joints).any(|left| left)
+        };
         Self { harmonic, responses, extrapolated: solutions.iter().map(left).collect() }
     }
 }

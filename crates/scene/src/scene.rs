@@ -8,7 +8,7 @@ use contact::Law;
 use hbm::{Contact, Excitation, ExcitationKind, Jacobian, Plan, Problem, Settings};
 use structure::Progress;
 
-use crate::contacts;
+use crate::contacts::{self, Contacts};
 use crate::dofs::Dofs;
 use crate::error::SceneError;
 use crate::excitation;
@@ -38,7 +38,7 @@ pub struct Scene {
     pub(crate) excitation: Vec<Excitation>,
     /// Directions of base excitations.
     pub(crate) directions: Vec<Option<String>>,
-    pub(crate) contacts: Vec<Contact>,
+    pub(crate) contacts: Contacts,
     pub(crate) output: Vec<usize>,
     /// The problem in the terms of the balance, made when it is first needed.
     posed: OnceLock<Posed>,
@@ -91,7 +91,7 @@ impl Scene {
         harmonics.apply(estimate, &mut settings);
         let output = match scene.get("output") {
             Some(node) => read_output(&node, dofs)?,
-            None => usual_output(&excitation.entries, &contacts.contacts, dofs.len()),
+            None => usual_output(&excitation.entries, &contacts, dofs.len()),
         };
         let notes = [structure.notes(), &excitation.notes, &contacts.notes].concat();
         Ok(Self {
@@ -99,7 +99,7 @@ impl Scene {
             structure,
             excitation: excitation.entries,
             directions: excitation.directions,
-            contacts: contacts.contacts,
+            contacts,
             output,
             posed: OnceLock::new(),
             settled: false,
@@ -188,7 +188,7 @@ impl Scene {
             contact.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
         };
         let mut found = false;
-        for contact in self.contacts.iter_mut().filter(|contact| belongs(contact)) {
+        for contact in self.contacts.contacts.iter_mut().filter(|contact| belongs(contact)) {
             contact.law = law.clone();
             found = true;
         }
@@ -216,9 +216,9 @@ impl Scene {
         self.output.iter().filter_map(name).collect()
     }
 
-    /// Names of the contacts, those of `pairs` one by one.
+    /// Names of the contacts in one direction and in several, those of `pairs` one by one.
     pub fn contacts(&self) -> impl Iterator<Item = &str> {
-        self.contacts.iter().map(|contact| contact.name.as_str())
+        self.contacts.names()
     }
 
     /// How many harmonics its points have.
@@ -315,13 +315,12 @@ fn read_output(node: &Node, dofs: &Dofs) -> Result<Vec<usize>, SceneError> {
 }
 
 /// Every dof of a small model, else those that carry contacts or excitation.
-fn usual_output(excitation: &[Excitation], contacts: &[Contact], n: usize) -> Vec<usize> {
+fn usual_output(excitation: &[Excitation], contacts: &Contacts, n: usize) -> Vec<usize> {
     if n <= EVERY_OUTPUT {
         return (0..n).collect();
     }
-    let touched = contacts.iter().flat_map(|contact| [Some(contact.first), contact.second]);
-    let shaken = excitation.iter().filter(|e| e.kind != ExcitationKind::Base).map(|e| Some(e.dof));
-    let mut output: Vec<usize> = touched.chain(shaken).flatten().collect();
+    let shaken = excitation.iter().filter(|e| e.kind != ExcitationKind::Base).map(|e| e.dof);
+    let mut output: Vec<usize> = contacts.touched().chain(shaken).collect();
     output.sort_unstable();
     output.dedup();
     // A model that nothing touches and only its base shakes: its first dofs.

@@ -11,13 +11,15 @@ rad; harmonics are one-sided complex amplitudes, ``w(t) = Re sum_k W_k exp(i k 2
 from ._errors import LoopError, SceneError, SolveError, StickslipError
 from ._loops import Loop, Scaling, scale
 from ._native import __version__
-from ._result import Backbone, Contact, Curve, Orbit, Result, Truncation
+from ._result import Backbone, Contact, Curve, Direction, Joint, Orbit, Result, Truncation
 from ._scene import PythonLaw, Scene, Step
 
 __all__ = [
     "Backbone",
     "Contact",
     "Curve",
+    "Direction",
+    "Joint",
     "Loop",
     "LoopError",
     "Orbit",

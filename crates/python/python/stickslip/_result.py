@@ -26,16 +26,52 @@ Complexes = NDArray[np.complex128]
 class Contact:
     """One contact over the points of a result."""
 
-    amplitude: Floats
-    """Half the peak-to-peak relative displacement in m, shape (points,)."""
     dissipation: Floats
     """J a cycle, shape (points,)."""
     state: list[str | None]
     """``stick``, ``slip``, ``mixed``, ``held`` or ``apart``."""
     extrapolated: NDArray[np.bool_]
     """The amplitude left the range in which the law was measured."""
+    amplitude: Floats
+    """Half the peak-to-peak relative displacement in m, shape (points,)."""
     force: Complexes
     """On the first body, in N, shape (points, harmonics)."""
+
+
+@dataclass(frozen=True)
+class Direction:
+    """One direction of a joint over the points of a result."""
+
+    amplitude: Floats
+    """Half the peak-to-peak relative displacement in m, shape (points,)."""
+    displacement: Complexes
+    """Relative displacement in m, shape (points, harmonics); towards each other is positive in the normal direction."""
+    force: Complexes
+    """On the first body, in N, shape (points, harmonics)."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A contact in several directions over the points of a result."""
+
+    dissipation: Floats
+    """Of all directions together, J a cycle, shape (points,)."""
+    state: list[str | None]
+    """``stick``, ``slip``, ``mixed`` or ``apart``."""
+    extrapolated: NDArray[np.bool_]
+    """The motion left the range in which the law was measured."""
+    apart: Floats
+    """Part of the period during which the bodies are apart, shape (points,)."""
+    directions: dict[str, Direction]
+    """``tangential``, or ``tangential1`` and ``tangential2``, and ``normal``."""
+
+
+def _contact(columns: Mapping[str, Any]) -> Contact | Joint:
+    directions = columns.get("directions")
+    if directions is None:
+        return Contact(**columns)
+    named = {name: Direction(**direction) for name, direction in directions.items()}
+    return Joint(**{**columns, "directions": named})
 
 
 class _Answer:
@@ -93,8 +129,8 @@ class _Points(_Answer):
         """Names along the second axis of :attr:`displacement`."""
         self.displacement: Complexes = columns["displacement"]
         """W_k in m, shape (points, dofs, harmonics); NaN where a point failed."""
-        self.contacts: dict[str, Contact] = {
-            name: Contact(**contact) for name, contact in columns["contacts"].items()
+        self.contacts: dict[str, Contact | Joint] = {
+            name: _contact(contact) for name, contact in columns["contacts"].items()
         }
         """By the contacts' names."""
 
@@ -145,7 +181,11 @@ class _Points(_Answer):
         for dof in self.dofs:
             columns[f"amplitude {dof}"] = self.amplitude(dof)
         for name, contact in self.contacts.items():
-            columns[f"amplitude {name}"] = contact.amplitude
+            if isinstance(contact, Contact):
+                columns[f"amplitude {name}"] = contact.amplitude
+            else:
+                for direction, motion in contact.directions.items():
+                    columns[f"amplitude {name} {direction}"] = motion.amplitude
             columns[f"state {name}"] = contact.state
             columns[f"dissipation {name}"] = contact.dissipation
         return pd.DataFrame(columns)
