@@ -44,7 +44,7 @@ impl Plan {
         }
         (ws.goal, ws.ready) = (self.top, slots);
         ws.held.fill(false);
-        ws.point.set(&ws.condensed, &self.contacts, slots, &ws.held);
+        ws.point.set(&ws.condensed, self.laws(), slots, &ws.held);
         true
     }
 
