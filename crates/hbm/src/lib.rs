@@ -10,6 +10,7 @@
 //! given as it acts **on the first body** of the contact: it opposes the motion.
 
 mod balance;
+mod beyond;
 mod condensation;
 mod continuation;
 mod course;
@@ -19,7 +20,9 @@ mod error;
 mod estimate;
 mod free_motion;
 mod harmonics;
+mod hill;
 mod holding;
+mod joint_force;
 mod krylov;
 mod ladder;
 mod matrices;
@@ -36,11 +39,13 @@ mod plan;
 mod point;
 mod problem;
 mod report;
+mod rows;
 mod scalar;
 mod settings;
 mod solution;
 mod solve;
 mod sparse;
+mod stability;
 mod sweep;
 mod transform;
 #[cfg(test)]
@@ -49,6 +54,7 @@ mod waveform;
 
 pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, entry_curve, frequency_curve};
 pub use error::PlanError;
+pub use hill::{Hill, HillError, Multipliers, PeriodicSpring};
 pub use mode::{ModeEnd, ModeOptions, ModePoint, NonlinearMode, Origin, nonlinear_mode};
 pub use peak::{
     Optimum, OptimumKind, Peak, PeakCurve, PeakEffort, PeakEnd, PeakOptions, PeakPoint, PeakStatus,
@@ -59,7 +65,8 @@ pub use problem::{Contact, Direction, Excitation, ExcitationKind, Joint, Problem
 pub use settings::{Jacobian, LinearSolver, Settings, Start};
 pub use solution::{
     ContactSolution, DirectionSolution, FailureReason, JointSolution, Solution, Stats, Status, Waveform,
-    WaveformContact,
+    WaveformContact, WaveformJoint,
 };
+pub use stability::{NoStability, Stability, StabilityMethod, Verdict};
 pub use structure::{Damping, Model, ModelError, SparseDamping, SparseModel};
 pub use sweep::{Sweep, SweepOptions, sweep};

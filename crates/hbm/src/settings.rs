@@ -61,6 +61,8 @@ pub struct Settings {
     pub linear_solver: LinearSolver,
     /// Also return the solutions that are not reported first, where they are known.
     pub all_solutions: bool,
+    /// Find the Floquet multipliers of every solution, where its laws allow Hill's method.
+    pub stability: bool,
     /// Residual, relative to the excitation, at which an iteration has converged.
     pub tolerance: f64,
     /// Newton steps allowed in one attempt.
@@ -80,6 +82,7 @@ impl Settings {
             jacobian: Jacobian::default(),
             linear_solver: LinearSolver::default(),
             all_solutions: false,
+            stability: false,
             tolerance: 1e-11,
             max_iterations: 60,
         }

@@ -19,6 +19,7 @@
 //! Every mistake in a scene is a [`SceneError`] with the path of the entry: `contacts[0].law.slip_force: must be
 //! positive, got -1`.
 
+mod axes;
 mod backbone;
 mod contacts;
 mod curve;
@@ -29,6 +30,8 @@ mod explain;
 mod frequencies;
 mod harmonics;
 mod iwan;
+mod joint_law;
+mod joints;
 mod json;
 mod law;
 mod layout;
@@ -37,6 +40,7 @@ mod loop_family;
 mod loops;
 mod matrix;
 mod model;
+mod motion;
 mod notes;
 mod outcome;
 mod peak;
@@ -50,6 +54,7 @@ mod scene;
 mod schema;
 mod solver;
 mod sparse;
+mod stability;
 mod structure;
 mod variants;
 
@@ -62,13 +67,18 @@ pub use frequencies::{BadFrequencies, Frequencies};
 pub use harmonics::{BadHarmonics, Harmonics};
 pub use hbm::{ContinuationOptions, Origin, Problem, SweepOptions as RunOptions};
 pub use layout::write_json;
-pub use outcome::{ContactPoint, Named, Outcome, Point, Spectrum, Timing};
+pub use motion::{ContactMotion, DirectionMotion};
+pub use outcome::{
+    ContactOutcome, ContactPoint, DirectionPoint, JointPoint, Named, Outcome, Point, Spectrum, Timing,
+    direction_names,
+};
 pub use peak::{PeaksCurve, PeaksEffort, PeaksOptimum, PeaksOptions, PeaksOutcome, PeaksPeak, PeaksPoint};
 pub use reduction::ReductionFacts;
 pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Motion, Prepared, Solved};
 pub use scene::Scene;
 pub use schema::SCHEMA;
+pub use stability::{Judge, PointStability};
 pub use variants::Variants;
 
 /// Reading of JSON whose errors name the entry; for files like a scene's.

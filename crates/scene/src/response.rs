@@ -27,6 +27,8 @@ pub struct Responses {
     pub responses: Vec<Response>,
     /// One entry a frequency: some contact's law is extrapolated.
     pub extrapolated: Vec<bool>,
+    /// Likewise: the point is known to be unstable.
+    pub unstable: Vec<bool>,
 }
 
 /// A maximum of a response.
@@ -76,8 +78,18 @@ impl Responses {
                 response.linear.push((solution.frequency, amplitude(&linear)));
             }
         }
-        let left = |solution: &hbm::Solution| solution.contacts.iter().any(|contact| contact.extrapolated);
-        Self { harmonic, responses, extrapolated: solutions.iter().map(left).collect() }
+        let left = |solution: &hbm::Solution| {
+            let joints = solution.joints.iter().map(|joint| joint.extrapolated);
+            solution.contacts.iter().map(|contact| contact.extrapolated).chain(joints).any(|left| left)
+        };
+        let unstable =
+            |s: &hbm::Solution| s.stability.as_ref().is_some_and(|s| s.verdict == hbm::Verdict::Unstable);
+        Self {
+            harmonic,
+            responses,
+            extrapolated: solutions.iter().map(left).collect(),
+            unstable: solutions.iter().map(unstable).collect(),
+        }
     }
 }
 

@@ -172,11 +172,19 @@ impl<'a> Stepper<'a> {
                     Element::Sliders { sliders, spring }
                 }
                 Mechanism::Smooth(force) => Element::Smooth(force),
+                Mechanism::Unilateral(_) => {
+                    let why = "time stepping knows no contact that opens";
+                    return Err(SteppingError::NoMechanism { contact: contact.name.clone(), why });
+                }
                 Mechanism::None { why } => {
                     return Err(SteppingError::NoMechanism { contact: contact.name.clone(), why });
                 }
             };
             links.push(Link { first: contact.first, second: contact.second, scale: contact.scale, element });
+        }
+        if let Some(joint) = system.joints.first() {
+            let why = "time stepping knows no contact in several directions";
+            return Err(SteppingError::NoMechanism { contact: joint.name.clone(), why });
         }
         let n = system.mass.nrows();
         let h = 1.0 / (hertz * steps as f64);

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use contact::Mechanism;
+use contact::{JointMechanism, Mechanism};
 use hbm::{Plan, Problem, Settings, Solution, Status};
 use num_complex::Complex64;
 use orbit::{Orbit, OrbitError};
@@ -128,7 +128,10 @@ impl<'s> Truths<'s> {
         };
         let plan = Plan::new(&problem, &settings)?;
         let mechanism = |contact: &hbm::Contact| !matches!(contact.law.mechanism(), Mechanism::None { .. });
-        let has_orbits = problem.contacts.iter().all(mechanism);
+        let joint_mechanism = |joint: &hbm::Joint| {
+            !matches!(joint.law.mechanism(), JointMechanism::None { .. }) && joint.directions.len() == 2
+        };
+        let has_orbits = problem.contacts.iter().all(mechanism) && problem.joints.iter().all(joint_mechanism);
         Ok(Self { posed, plan, harmonics, highest: (BEYOND * (largest + 1)).max(512), has_orbits })
     }
 
@@ -188,7 +191,8 @@ impl<'s> Truths<'s> {
     fn beside(&self, hertz: f64, solution: &Solution) -> Result<Orbit, OrbitError> {
         let system = system(self.posed, hertz);
         let usual = orbit::Settings::default();
-        let start = solution.status.solved().then(|| start::state(&system, &self.plan, solution));
+        let start = (solution.status.solved())
+            .then(|| start::state(&system, self.plan.orders(), &solution.displacement, solution));
         let beside = orbit::Settings { start, ..usual.clone() };
         let found = orbit::find(&system, hertz, &beside);
         if found.is_err() && beside.start.is_some() {
@@ -245,12 +249,18 @@ impl<'s> Truths<'s> {
             frequency: solution.frequency,
             reference: Reference::Harmonics(solution.harmonics),
             dofs: self.rows(solution).into_iter().map(dof).collect(),
-            dissipation: solution.contacts.iter().map(|contact| contact.dissipation).sum(),
+            dissipation: dissipation(solution),
             no_orbit,
             distance: None,
             first: self.first(),
         }
     }
+}
+
+/// Energy in J that all contacts of a solution together dissipate in a period.
+pub(crate) fn dissipation(solution: &Solution) -> f64 {
+    let joints = solution.joints.iter().map(|joint| joint.dissipation);
+    solution.contacts.iter().map(|contact| contact.dissipation).chain(joints).sum()
 }
 
 /// Enough that the reference's own error does not count: four times as many, 127 at least; no more than 1023 unless the
@@ -270,7 +280,7 @@ impl Truth {
         let first = |spectrum: &[Complex64]| spectrum.get(self.first).map_or(0.0, |w| w.norm());
         let spectra: Vec<Vec<Complex64>> = rows.iter().map(|row| dense(orders, row)).collect();
         let pairs = || self.dofs.iter().zip(&spectra);
-        let dissipation: f64 = solution.contacts.iter().map(|contact| contact.dissipation).sum();
+        let dissipation = dissipation(solution);
         Some(Errors {
             spectrum: self.spectrum_error(orders, &rows),
             first: worst(pairs().map(|(truth, row)| {
@@ -300,7 +310,11 @@ impl Truth {
         let work = |contact: &hbm::ContactSolution| {
             contact.force.iter().map(|force| force.norm()).fold(0.0, f64::max) * contact.amplitude
         };
-        self.dissipation > NO_DISSIPATION * solution.contacts.iter().map(work).sum::<f64>()
+        let directions = solution.joints.iter().flat_map(|joint| &joint.directions);
+        let joints = directions
+            .map(|d| d.force.iter().map(|force| force.norm()).fold(0.0, f64::max) * d.amplitude)
+            .sum::<f64>();
+        self.dissipation > NO_DISSIPATION * (solution.contacts.iter().map(work).sum::<f64>() + joints)
     }
 }
 
