@@ -43,7 +43,7 @@ pub enum PeakStatus {
     Surveyed,
     /// The peaks were followed from surveyed neighbours.
     Followed,
-    /// No peak inside the range is as high as the response at this end of it (Hz, m).
+    /// No peak inside the range is as high as the response at this end of it (Hz, m); there may be none.
     HigherAtEnd(f64, f64),
     /// The response at this frequency in Hz is higher (m) than every peak that was found.
     Incomplete(f64, f64),
@@ -490,12 +490,13 @@ const HIGHER: f64 = 1e-6;
 
 /// What a survey says about peaks that were followed.
 fn judge(survey: &Survey, peaks: &[Peak]) -> PeakStatus {
-    let Some(highest) = peaks.first() else { return PeakStatus::Failed };
-    let other = survey.summits.first().filter(|s| s.amplitude > highest.amplitude * (1.0 + HIGHER));
+    let highest = peaks.first().map_or(0.0, |peak| peak.amplitude);
+    let other = survey.summits.first().filter(|s| s.amplitude > highest * (1.0 + HIGHER));
     match (other, survey.higher, survey.edge) {
         (Some(summit), ..) => PeakStatus::Incomplete(summit.hertz(), summit.amplitude),
         (None, Some((hertz, height)), _) => PeakStatus::Incomplete(hertz, height),
         (None, None, Some((hertz, height))) => PeakStatus::HigherAtEnd(hertz, height),
+        (None, None, None) if peaks.is_empty() => PeakStatus::Failed,
         (None, None, None) if survey.traced || survey.unsolved == 0 => PeakStatus::Surveyed,
         (None, None, None) => PeakStatus::Followed,
     }
