@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use contact::{
     Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters,
-    JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace, Law, LawError, MagnitudeLaw, PhaseLaw,
-    ScaledLoop, Symmetry,
+    FrictionContact, FrictionContactParameters, JointChange, JointLaw, JointMarks, JointMotion,
+    JointWorkspace, Law, LawError, MagnitudeLaw, PhaseLaw, ScaledLoop, Symmetry,
 };
 use faer::{Mat, c64, mat};
 use hysteresis::Loop;
@@ -141,7 +141,21 @@ fn joined() -> Problem {
         law: Arc::new(Bulging),
         scale,
     };
-    Problem { joints: vec![joint(0.4, 1.0), joint(1.9, 0.3)], ..problem() }
+    let parameters = FrictionContactParameters {
+        tangential_stiffness: 2e6,
+        normal_stiffness: 3e6,
+        friction_coefficient: 0.4,
+        preload: Some(8.0),
+        gap: None,
+    };
+    let part = |dof: usize| Direction { parts: vec![(dof, 1.0)] };
+    let friction = Joint {
+        name: "f".into(),
+        directions: vec![part(0), part(1), part(2)],
+        law: Arc::new(FrictionContact::new(parameters, 2).unwrap()),
+        scale: 1.0,
+    };
+    Problem { joints: vec![joint(0.4, 1.0), friction, joint(1.9, 0.3)], ..problem() }
 }
 
 #[test]
@@ -165,7 +179,7 @@ fn check_jacobian(problem: &Problem) {
     let buffers = &mut ws.balance[rung];
     let width = ws.point.width();
     let size = balance.size(width, slots);
-    let rows = 4 + 2 * problem.joints.len();
+    let rows = 4 + problem.joints.iter().map(|joint| joint.directions.len()).sum::<usize>();
     assert_eq!((slots, size), (5, 2 * rows * 5 - rows));
     let secants = [c64::new(0.7, 0.2), c64::new(1.3, 0.0), c64::new(0.2, 0.9), c64::ZERO];
     for (row, secant) in ws.point.secant.iter_mut().enumerate() {
