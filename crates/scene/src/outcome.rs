@@ -99,6 +99,32 @@ pub enum ContactOutcome {
     Several(JointPoint),
 }
 
+impl ContactOutcome {
+    /// What the contact does: `stick`, `slip`, `mixed`, `held` or `apart`.
+    pub fn state(&self) -> &'static str {
+        match self {
+            Self::One(contact) => contact.state,
+            Self::Several(joint) => joint.state,
+        }
+    }
+
+    /// In J per cycle.
+    pub fn dissipation(&self) -> f64 {
+        match self {
+            Self::One(contact) => contact.dissipation,
+            Self::Several(joint) => joint.dissipation,
+        }
+    }
+
+    /// The motion left the range in which the law was measured.
+    pub fn extrapolated(&self) -> bool {
+        match self {
+            Self::One(contact) => contact.extrapolated,
+            Self::Several(joint) => joint.extrapolated,
+        }
+    }
+}
+
 /// One contact in one direction at one frequency.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ContactPoint {
