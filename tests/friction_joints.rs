@@ -347,3 +347,95 @@ fn many_joints() {
         assert!(solution.joints.iter().filter(moving).count() > 5);
     }
 }
+
+/// Without any excitation a preloaded joint rests; bodies that interfere are pushed apart, as far as the stiffness of all says.
+#[test]
+fn what_rests_and_what_pushes() {
+    let mut rests = two_bodies(friction(Some(8.0), None, 2), 0.0, 0.0);
+    rests.excitation.clear();
+    let solution = solved(&rests, &Settings::new(3), 50.0);
+    assert!(solution.displacement.iter().flatten().all(|w| *w == c64::ZERO));
+    let zero = |d: &hbm::DirectionSolution| d.amplitude == 0.0 && d.force.iter().all(|f| f.norm() == 0.0);
+    assert!(solution.joints[0].directions.iter().all(zero));
+
+    let interference = 3e-5;
+    let mut pushed = two_bodies(friction(None, Some(-interference), 1), 0.0, 0.0);
+    pushed.excitation.clear();
+    // Frictionless in the end: (C + B k_n Bᵀ) w = −B k_n · interference.
+    let [_, _, mut stiffness] = bodies();
+    for (i, j, sign) in [(2, 2, 1.0), (5, 5, 1.0), (2, 5, -1.0), (5, 2, -1.0)] {
+        stiffness[(i, j)] += sign * NORMAL;
+    }
+    let mut exact = Mat::zeros(6, 1);
+    (exact[(2, 0)], exact[(5, 0)]) = (-NORMAL * interference, NORMAL * interference);
+    faer::linalg::solvers::Solve::solve_in_place(&stiffness.partial_piv_lu(), exact.as_mut());
+    let solution = solved(&pushed, &Settings::new(3), 50.0);
+    for (dof, row) in solution.displacement.iter().enumerate() {
+        assert_eq!(row.len(), 1, "nothing moves but the mean");
+        assert!(
+            (row[0].re - exact[(dof, 0)]).abs() < 1e-12 * interference,
+            "{dof}: {} for {}",
+            row[0],
+            exact[(dof, 0)]
+        );
+    }
+    // A joint that slides its bodies elsewhere by a static load as well.
+    pushed.excitation.push(excitation(3, 0, 5.0, 0.0));
+    let solution = solved(&pushed, &Settings::new(3), 50.0);
+    let [along, normal] = &solution.joints[0].directions[..] else { panic!("two directions") };
+    assert!(along.force[0].norm() < 1e-12 && normal.force[0].re < 0.0);
+}
+
+/// Once buffers have grown, a point allocates nothing.
+#[test]
+fn no_allocation_per_point() {
+    for tangential in [1, 2] {
+        let problem = two_bodies(friction(Some(10.0), None, tangential), 0.0, 0.0);
+        let plan = Plan::new(&problem, &Settings::new(7)).unwrap();
+        let mut workspace = plan.workspace();
+        let mut solution = Solution::default();
+        let mut all = || {
+            for hertz in [40.0, 60.0, 64.0, 150.0] {
+                plan.solve_into(hertz, &mut workspace, &mut solution);
+                assert_eq!(solution.stats.secant_homotopies, 0, "{hertz} Hz: not an easy point");
+            }
+        };
+        all();
+        let counted = allocation_counter::measure(all);
+        assert_eq!(counted.count_total, 0);
+    }
+}
+
+/// At small amplitudes the nonlinear mode is that of the stuck structure; with more it is softer and damped.
+#[test]
+fn a_mode_begins_stuck() {
+    let [mass, _, mut stiffness] = bodies();
+    let undamped = model(mass.clone(), Mat::zeros(6, 6), stiffness.clone());
+    for (axis, k) in [(0, TANGENTIAL), (2, NORMAL)] {
+        for (i, j, sign) in [(0, 0, 1.0), (3, 3, 1.0), (0, 3, -1.0), (3, 0, -1.0)] {
+            stiffness[(i + axis, j + axis)] += sign * k;
+        }
+    }
+    let stuck = model(mass, Mat::zeros(6, 6), stiffness).natural_frequencies();
+    let mut problem = two_bodies(friction(Some(10.0), None, 1), 0.0, 0.0);
+    problem.model = undamped;
+    let options = hbm::ModeOptions {
+        mode: 1,
+        origin: hbm::Origin::Stuck,
+        reference: 3,
+        amplitudes: (1e-7, 3e-4),
+        points: 12,
+        progress: &|_| true,
+    };
+    let mode = hbm::nonlinear_mode(&problem, &Settings::new(5), &options).unwrap();
+    assert_eq!(mode.end, hbm::ModeEnd::Reached);
+    let (first, last) = (mode.points.first().unwrap(), mode.points.last().unwrap());
+    assert!((first.frequency / stuck[1] - 1.0).abs() < 1e-9, "{} for {}", first.frequency, stuck[1]);
+    assert!(first.damping_ratio.abs() < 1e-9);
+    assert!(
+        last.frequency < 0.99 * stuck[1] && last.damping_ratio > 0.005,
+        "{} Hz, {}",
+        last.frequency,
+        last.damping_ratio
+    );
+}
