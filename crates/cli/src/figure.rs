@@ -50,6 +50,7 @@ pub fn response(figure: Figure, scene: &Scene, solved: &Solved) -> Result<(), Fa
             contact: response.contact,
             linear: response.linear,
             extrapolated: responses.extrapolated.clone(),
+            unstable: responses.unstable.clone(),
         })
         .collect();
     let known = panels.iter().flat_map(|panel| panel.contact.iter().chain(&panel.linear));
@@ -174,6 +175,9 @@ pub fn curve(figure: Figure, curve: &CurveOutcome) -> Result<(), Failure> {
     let panel = |(dof, name): (usize, &String)| CurvePanel {
         title: name.clone(),
         points: curve.points.iter().filter_map(|point| known(dof, point)).collect(),
+        unstable: (curve.points.iter().filter(|point| known(dof, point).is_some()))
+            .map(|point| point.point.is_unstable())
+            .collect(),
         folds: curve.points.iter().filter(|point| point.fold).filter_map(|point| known(dof, point)).collect(),
     };
     let drawing = CurvePlot {
@@ -215,18 +219,18 @@ pub fn backbone(figure: Figure, _: &BackboneOutcome) -> Result<(), Failure> {
 /// Draws the highest peak and its frequency over an entry.
 #[cfg(feature = "plot")]
 pub fn peaks(figure: Figure, found: &PeaksOutcome) -> Result<(), Failure> {
-    use plot::{PeakPlot, PeakPlotCurve, write_peaks};
+    use plot::{HighestPeak, PeakPlot, PeakPlotCurve, write_peaks};
 
-    let place = |parameter: f64, peak: &scene::PeaksPeak| (parameter, peak.point.frequency, peak.amplitude);
+    let highest = |point: &scene::PeaksPoint| {
+        let peak = point.highest()?;
+        let (frequency, amplitude) = (peak.point.frequency, peak.amplitude);
+        Some(HighestPeak { branch: peak.branch, frequency, amplitude })
+    };
+    let lowest = |optimum: &scene::PeaksOptimum| Some((optimum.point.parameter, highest(&optimum.point)?));
     let curve = |curve: &scene::PeaksCurve| PeakPlotCurve {
         name: format!("N = {}", curve.harmonics),
-        points: (curve.points.iter())
-            .map(|point| {
-                (point.parameter, point.highest().map(|peak| (peak.point.frequency, peak.amplitude)))
-            })
-            .collect(),
-        optimum: (curve.optimum.as_ref())
-            .and_then(|optimum| Some(place(optimum.point.parameter, optimum.point.highest()?))),
+        points: curve.points.iter().map(|point| (point.parameter, highest(point))).collect(),
+        optimum: curve.optimum.as_ref().and_then(lowest),
     };
     let drawing = PeakPlot {
         title: found.scene.clone(),

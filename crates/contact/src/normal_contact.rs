@@ -88,6 +88,22 @@ impl NormalContact {
         }
     }
 
+    /// The approach in m at which the bodies touch.
+    pub(crate) fn touching_at(&self) -> f64 {
+        match self.rest {
+            Rest::Preload(preload) => -preload / self.stiffness,
+            Rest::Gap(gap) => gap,
+        }
+    }
+
+    /// The part of N in N that the equilibrium balances: f_n is the rest.
+    pub(crate) fn balanced(&self) -> f64 {
+        match self.rest {
+            Rest::Preload(preload) => preload,
+            Rest::Gap(_) => 0.0,
+        }
+    }
+
     /// The same for those who integrate motions.
     pub fn spring(&self) -> UnilateralSpring {
         let (pressure_at_zero, balanced) = match self.rest {
@@ -99,10 +115,7 @@ impl NormalContact {
 
     /// f_n in N for the load that [`NormalContact::load`] gave.
     pub(crate) fn force(&self, load: f64) -> f64 {
-        match self.rest {
-            Rest::Preload(preload) => load.max(0.0) - preload,
-            Rest::Gap(_) => load.max(0.0),
-        }
+        load.max(0.0) - self.balanced()
     }
 
     /// Part of the period without contact, for the loads at its samples, linear between them.

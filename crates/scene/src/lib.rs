@@ -40,6 +40,7 @@ mod loop_family;
 mod loops;
 mod matrix;
 mod model;
+mod motion;
 mod notes;
 mod outcome;
 mod peak;
@@ -53,6 +54,7 @@ mod scene;
 mod schema;
 mod solver;
 mod sparse;
+mod stability;
 mod structure;
 mod variants;
 
@@ -65,6 +67,7 @@ pub use frequencies::{BadFrequencies, Frequencies};
 pub use harmonics::{BadHarmonics, Harmonics};
 pub use hbm::{ContinuationOptions, Origin, Problem, SweepOptions as RunOptions};
 pub use layout::write_json;
+pub use motion::{ContactMotion, DirectionMotion};
 pub use outcome::{
     ContactOutcome, ContactPoint, DirectionPoint, JointPoint, Named, Outcome, Point, Spectrum, Timing,
     direction_names,
@@ -75,6 +78,7 @@ pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Motion, Prepared, Solved};
 pub use scene::Scene;
 pub use schema::SCHEMA;
+pub use stability::{Judge, PointStability};
 pub use variants::Variants;
 
 /// Reading of JSON whose errors name the entry; for files like a scene's.

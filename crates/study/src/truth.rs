@@ -191,7 +191,8 @@ impl<'s> Truths<'s> {
     fn beside(&self, hertz: f64, solution: &Solution) -> Result<Orbit, OrbitError> {
         let system = system(self.posed, hertz);
         let usual = orbit::Settings::default();
-        let start = solution.status.solved().then(|| start::state(&system, &self.plan, solution));
+        let start = (solution.status.solved())
+            .then(|| start::state(&system, self.plan.orders(), &solution.displacement, solution));
         let beside = orbit::Settings { start, ..usual.clone() };
         let found = orbit::find(&system, hertz, &beside);
         if found.is_err() && beside.start.is_some() {
