@@ -146,14 +146,15 @@ pub fn orbit(figure: Figure, motion: &Motion) -> Result<(), Failure> {
         events: Vec::new(),
     });
     let events = motion.orbit.events();
-    let contacts = motion.scene.contacts().enumerate().map(|(i, name)| {
-        let force = |t: f64| motion.orbit.contact_force(i, t);
+    let forces = motion.forces();
+    let contacts = forces.iter().map(|force| {
+        let at = |t: f64| motion.force(force, t);
         OrbitPanel {
-            title: format!("{name}, on its first body"),
+            title: format!("{}, on its first body", force.name),
             quantity: ("force", "N"),
-            values: over(&force),
-            events: (events.iter().filter(|event| event.contact == i))
-                .map(|event| (event.time / period, force(event.time)))
+            values: over(&at),
+            events: (events.iter().filter(|event| event.contact == force.contact))
+                .map(|event| (event.time / period, at(event.time)))
                 .collect(),
         }
     });
