@@ -199,6 +199,9 @@ pub struct SweepArguments {
     /// List every solution where all are known (one contact, one harmonic), not the reported one alone
     #[arg(long)]
     pub all_solutions: bool,
+    /// Find out whether every point is stable (Floquet multipliers)
+    #[arg(long)]
+    pub stability: bool,
 }
 
 /// `stickslip explain`.

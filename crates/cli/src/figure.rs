@@ -50,6 +50,7 @@ pub fn response(figure: Figure, scene: &Scene, solved: &Solved) -> Result<(), Fa
             contact: response.contact,
             linear: response.linear,
             extrapolated: responses.extrapolated.clone(),
+            unstable: responses.unstable.clone(),
         })
         .collect();
     let known = panels.iter().flat_map(|panel| panel.contact.iter().chain(&panel.linear));
@@ -212,6 +213,9 @@ pub fn curve(figure: Figure, curve: &CurveOutcome) -> Result<(), Failure> {
     let panel = |(dof, name): (usize, &String)| CurvePanel {
         title: name.clone(),
         points: curve.points.iter().filter_map(|point| known(dof, point)).collect(),
+        unstable: (curve.points.iter().filter(|point| known(dof, point).is_some()))
+            .map(|point| point.point.is_unstable())
+            .collect(),
         folds: curve.points.iter().filter(|point| point.fold).filter_map(|point| known(dof, point)).collect(),
     };
     let drawing = CurvePlot {

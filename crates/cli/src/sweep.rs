@@ -1,7 +1,7 @@
 //! `stickslip sweep`: the forced response of a scene.
 
 use std::io::{self, IsTerminal};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::{Frequencies, Outcome, Prepared, RunOptions, Solved};
 
@@ -37,6 +37,9 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     }
     if arguments.all_solutions {
         scene = scene.with_all_solutions();
+    }
+    if arguments.stability {
+        scene = scene.with_stability();
     }
     let prepared = prepared(&scene).map_err(|error| arguments.scene.unsolvable(error))?;
 
@@ -74,7 +77,11 @@ fn solve<'p>(prepared: &'p Prepared, arguments: &SweepArguments, interrupted: &A
         cancel: Some(interrupted),
         progress: Some(&finished),
     };
-    let solved = prepared.solve(&options);
+    let mut solved = prepared.solve(&options);
+    solved.judge(&|problem, orders, solution| match interrupted.load(Ordering::Relaxed) {
+        true => Err("stopped before".into()),
+        false => study::stability(problem, orders, solution),
+    });
     progress.clear();
     solved
 }

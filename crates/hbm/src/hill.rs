@@ -236,19 +236,23 @@ impl Hill {
         (size / STEP).ceil().max(1.0) as usize
     }
 
-    /// Parts of the period in which the couplings add up to about one: more would not need fewer harmonics.
+    /// Into how many parts the period is best cut: more need fewer harmonics, up to a point.
     fn parts(&self) -> usize {
-        (std::f64::consts::TAU * 2.0 * self.couplings.iter().sum::<f64>()).ceil().clamp(1.0, 1e6) as usize
+        let work = |parts: usize| {
+            let truncation = self.truncation(parts);
+            (self.steps(truncation, parts) * parts * (truncation + 1), parts)
+        };
+        (0..10).map(|power| work(1 << power)).min().map_or(1, |(_, parts)| parts)
     }
 
     /// The least N for which the bound above is [`AIM`], with κ = 1.
     fn truncation(&self, parts: usize) -> usize {
         let length = std::f64::consts::TAU / parts as f64;
         let needed = |rho: f64| {
-            let powers = self.couplings.iter().zip(1..).map(|(a, j)| 2.0 * a * rho.powi(j));
-            (length * powers.sum::<f64>() - AIM.ln()) / rho.ln()
+            let sum = self.couplings.iter().rev().fold(0.0, |sum, a| (sum + 2.0 * a) * rho);
+            (length * sum - AIM.ln()) / rho.ln()
         };
-        let least = (1..=200).map(|i| needed((0.04 * f64::from(i)).exp())).fold(f64::INFINITY, f64::min);
+        let least = (1..=60).map(|i| needed((0.002 * 1.15_f64.powi(i)).exp())).fold(f64::INFINITY, f64::min);
         if self.couplings.iter().all(|a| *a == 0.0) {
             2
         } else {
@@ -456,8 +460,17 @@ fn eigenvalues(matrix: &Mat<f64>) -> Result<Vec<Complex64>, HillError> {
     .map_err(|_| HillError::NoEigenvalues)?;
     let pairs = re.column_vector().iter().zip(im.column_vector().iter());
     let mut values: Vec<Complex64> = pairs.map(|(re, im)| Complex64::new(*re, *im)).collect();
-    values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+    sort(&mut values);
     Ok(values)
+}
+
+/// The largest first; magnitudes that agree but for rounding are ordered by their real parts, conjugates side by side.
+pub(crate) fn sort(values: &mut [Complex64]) {
+    let key = |z: &Complex64| [-z.norm(), -z.re].map(|x| (x * 1e9).round());
+    values.sort_by(|a, b| {
+        let ([size_a, real_a], [size_b, real_b]) = (key(a), key(b));
+        size_a.total_cmp(&size_b).then(real_a.total_cmp(&real_b)).then(b.im.total_cmp(&a.im))
+    });
 }
 
 /// The largest distance from one of `values` to the nearest of `others`, each used once.

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::reduction::{Reduced, SMALL, Wish};
 use crate::run::Prepared;
+use crate::stability;
 use crate::structure::Structure;
 
 /// One step of the method.
@@ -18,7 +19,7 @@ pub struct Step {
     pub why: String,
 }
 
-fn step(what: &'static str, used: bool, why: impl Into<String>) -> Step {
+pub(crate) fn step(what: &'static str, used: bool, why: impl Into<String>) -> Step {
     Step { what, used, why: why.into() }
 }
 
@@ -56,6 +57,7 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     steps.push(needed_harmonics(settings));
     steps.push(slaved_harmonics(&facts));
     steps.push(estimate(&facts, settings));
+    steps.push(stability::explain(scene));
     let alone = "each frequency is solved on its own (stickslip continue follows the response as a curve)";
     steps.push(step("continuation through folds", false, alone));
     steps

@@ -137,7 +137,10 @@ pub struct ContinueArguments {
     /// Write the answer to FILE, whole or not at all
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Draw the curve, one panel a dof
+    /// Find out whether every point is stable (Floquet multipliers)
+    #[arg(long)]
+    pub stability: bool,
+    /// Draw the curve, one panel a dof; unstable parts dashed
     #[arg(long, value_name = "FILE.svg|.png")]
     pub plot: Option<PathBuf>,
 }
