@@ -165,6 +165,7 @@ impl SceneArguments {
 
 /// `stickslip sweep`.
 #[derive(Debug, Args)]
+#[command(group(clap::ArgGroup::new("period").args(["waveform", "loops"]).multiple(true)))]
 pub struct SweepArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
@@ -180,11 +181,11 @@ pub struct SweepArguments {
     /// Draw the response of every output dof, with contacts and without
     #[arg(long, value_name = "FILE.svg|.png")]
     pub plot: Option<PathBuf>,
-    /// Solve this one frequency instead, for --waveform
+    /// Solve this one frequency instead, for --waveform and --loops
     #[arg(
         long,
         value_name = "HZ",
-        requires = "waveform",
+        requires = "period",
         conflicts_with = "frequencies",
         allow_negative_numbers = true
     )]
@@ -192,6 +193,9 @@ pub struct SweepArguments {
     /// Write one period in time: displacements and contact forces, CSV
     #[arg(long, value_name = "FILE.csv", requires = "at")]
     pub waveform: Option<PathBuf>,
+    /// Draw the loops of the contacts in that period: friction force against relative displacement
+    #[arg(long, value_name = "FILE.svg|.png", requires = "at")]
+    pub loops: Option<PathBuf>,
     /// List every solution where all are known (one contact, one harmonic), not the reported one alone
     #[arg(long)]
     pub all_solutions: bool,
