@@ -218,7 +218,7 @@ fn a_reduced_structure_answers_as_the_full_one() {
     assert_eq!(full.reduction, None);
     close(&amplitudes(&reduced), &amplitudes(&full), 3e-4);
     let state = |outcome: &Outcome| -> Vec<&str> {
-        outcome.points.iter().map(|point| point.contacts.as_ref().unwrap().0[0].1.state).collect()
+        outcome.points.iter().map(|point| point.contacts.as_ref().unwrap().0[0].1.state()).collect()
     };
     assert_eq!(state(&reduced), state(&full));
     assert!(state(&full).contains(&"mixed"));

@@ -25,8 +25,8 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::{Parser, ValueEnum};
 
 use self::blade::{Blade, Cells};
-use self::files::Words;
-use self::plan::{Generated, Pair};
+use self::files::{Contacts, Words};
+use self::plan::{Generated, Pair, Site, choose_sites};
 use self::sector::Sectors;
 
 /// Structures for trying out the solver: Matrix Market files and a scene.
@@ -47,7 +47,8 @@ struct Options {
     /// Sectors of the whole disk.
     #[arg(long, default_value_t = 24)]
     sectors: usize,
-    /// Contacts, spread evenly over the places of the structure; left out: one a blade, two for a sector.
+    /// Contacts, spread evenly over the places of the structure; left out: one a blade, two for a sector. With --joints pairs
+    /// of nodes.
     #[arg(long)]
     contacts: Option<usize>,
     /// Span of the blade in m.
@@ -77,6 +78,10 @@ struct Options {
     /// Amplitude of the force on each blade in N; left out for a ring: 50, as less does not make its contacts slip.
     #[arg(long, default_value_t = 1.0, default_value_if("kind", "ring", "50"))]
     force: f64,
+    /// Shrouds touch in three directions: friction along the axis and outwards under a normal load around it, with the
+    /// stiffness in all of them, and a preload under which a contact slips at the slip force.
+    #[arg(long)]
+    joints: bool,
     /// Waves around a ring with which the forces travel; left out: an eighth of the sectors.
     #[arg(long)]
     engine_order: Option<usize>,
@@ -116,7 +121,12 @@ pub(crate) fn run(words: &[&str]) -> Result<()> {
         Kind::Sector => 2,
         Kind::Ring | Kind::Lumped => generated.places.bodies,
     });
-    let contacts = generated.places.choose(count)?;
+    let sites = if options.joints { choose_sites(&generated.sites, count)? } else { Vec::new() };
+    // What couples while all contacts stick.
+    let contacts = match options.joints {
+        true => sites.iter().flat_map(Site::pairs).collect(),
+        false => generated.places.choose(count)?,
+    };
     let share = generated.places.bodies as f64 / (count.max(generated.places.bodies)) as f64;
     let (stiffness, slip_force) = (rounded(options.stiffness * share), rounded(options.slip_force * share));
     let structure = &generated.structure;
@@ -135,13 +145,13 @@ pub(crate) fn run(words: &[&str]) -> Result<()> {
         format!("{{\"modal_ratio\": {RATIO:?}}}")
     };
     let kind = options.kind.name();
-    let name = format!("{kind}-{}-{}", structure.dofs(), contacts.len());
+    let name = format!("{kind}-{}-{count}", structure.dofs());
     let call = format!("generate-model {}", words_without_folder(words).join(" "));
     let comment = format!(
-        "Made by cargo xtask {call}: {} dofs, {} contacts; the force first finds a natural frequency at {} Hz, at {} Hz while \
-         the contacts stick.",
+        "Made by cargo xtask {call}: {} dofs, {count} contacts{}; the force first finds a natural frequency at {} Hz, at {} \
+         Hz while the contacts stick.",
         structure.dofs(),
-        contacts.len(),
+        if options.joints { " in three directions" } else { "" },
         rounded(free),
         rounded(stuck)
     );
@@ -150,7 +160,7 @@ pub(crate) fn run(words: &[&str]) -> Result<()> {
         comment: &comment,
         force: options.force,
         excited: &generated.excited,
-        contacts: &contacts,
+        contacts: if options.joints { Contacts::Sites(&sites) } else { Contacts::Pairs(&contacts) },
         stiffness,
         slip_force,
         damping,

@@ -10,7 +10,8 @@ use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Harmonics, Scene};
 
 pub use studies::{
-    BackboneArguments, ContinueArguments, OrbitArguments, Quantity, StudyArguments, TruncationArguments,
+    BackboneArguments, ContinueArguments, OrbitArguments, PeaksArguments, Quantity, StudyArguments,
+    TruncationArguments,
 };
 
 use crate::ending::Failure;
@@ -25,6 +26,8 @@ Examples:
   stickslip truncation two-mass.json               how many harmonics it needs
   stickslip orbit scene.json --frequency 57        the exact periodic motion at 57 Hz
   stickslip backbone scene.json                    natural frequency and damping against amplitude
+  stickslip peaks scene.json --vary /contacts/0/law/slip_force --from 1 --to 100 --log
+                                                   the best slip force of a damper
   stickslip study damper.json -o peaks.csv         a grid over entries of a scene
   stickslip loop fit record.csv                    what is in a measured loop
   stickslip loop scale loops/*.csv                 how loops scale with their amplitude
@@ -68,6 +71,9 @@ pub enum Command {
     /// Follow a damped nonlinear mode: natural frequency and damping against amplitude
     #[command(after_help = studies::BACKBONE)]
     Backbone(BackboneArguments),
+    /// Follow the highest peak over an entry of a scene, and find where it is lowest: damper optimisation
+    #[command(after_help = studies::PEAKS)]
+    Peaks(PeaksArguments),
     /// Solve a scene over a grid of its entries: peaks against excitation, normal load, harmonics
     #[command(after_help = studies::STUDY)]
     Study(StudyArguments),

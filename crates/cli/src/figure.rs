@@ -6,7 +6,7 @@ use contact::identification::Identification;
 #[cfg(feature = "plot")]
 use contact::identification::Magnitude;
 use hysteresis::{Fit, Record};
-use scene::{BackboneOutcome, CurveOutcome, Scene, Solved};
+use scene::{BackboneOutcome, CurveOutcome, PeaksOutcome, Scene, Solved};
 use study::Truncation;
 
 use crate::ending::Failure;
@@ -212,6 +212,37 @@ pub fn backbone(figure: Figure, mode: &BackboneOutcome) -> Result<(), Failure> {
 
 #[cfg(not(feature = "plot"))]
 pub fn backbone(figure: Figure, _: &BackboneOutcome) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
+}
+
+/// Draws the highest peak and its frequency over an entry.
+#[cfg(feature = "plot")]
+pub fn peaks(figure: Figure, found: &PeaksOutcome) -> Result<(), Failure> {
+    use plot::{PeakPlot, PeakPlotCurve, write_peaks};
+
+    let place = |parameter: f64, peak: &scene::PeaksPeak| (parameter, peak.point.frequency, peak.amplitude);
+    let curve = |curve: &scene::PeaksCurve| PeakPlotCurve {
+        name: format!("N = {}", curve.harmonics),
+        points: (curve.points.iter())
+            .map(|point| {
+                (point.parameter, point.highest().map(|peak| (peak.point.frequency, peak.amplitude)))
+            })
+            .collect(),
+        optimum: (curve.optimum.as_ref())
+            .and_then(|optimum| Some(place(optimum.point.parameter, optimum.point.highest()?))),
+    };
+    let drawing = PeakPlot {
+        title: found.scene.clone(),
+        parameter: found.parameter.clone(),
+        logarithmic: found.logarithmic,
+        quantity: format!("peak of |W_{}| of {}", found.harmonic, found.dof),
+        curves: found.curves.iter().map(curve).collect(),
+    };
+    write_peaks(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn peaks(figure: Figure, _: &PeaksOutcome) -> Result<(), Failure> {
     Err(unwritable(&figure.0, "this build draws no pictures"))
 }
 

@@ -13,6 +13,7 @@ mod loop_scale;
 mod manual;
 mod orbit;
 mod output;
+mod peak;
 mod progress;
 mod study;
 mod summary;
@@ -56,6 +57,7 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Orbit(arguments) => orbit::run(arguments),
         Command::Continue(arguments) => continuation::run(arguments),
         Command::Backbone(arguments) => backbone::run(arguments),
+        Command::Peaks(arguments) => peak::run(arguments),
         Command::Study(arguments) => study::run(arguments),
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
         Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),

@@ -21,7 +21,7 @@ pub struct ForcePiece {
     pub stiffness: f64,
     /// In N.
     pub offset: f64,
-    /// Force at `from` in N; where the stiffness is not zero that is a turning point.
+    /// Force at `from` in N; where the piece is `close` that is a turning point.
     pub start_force: f64,
     /// The way that it takes is so short a part of the motion that `stiffness · w + offset` would cancel. Without terms that
     /// do, `f(τ) = start_force − stiffness · drop` with [`crate::drop_from`].

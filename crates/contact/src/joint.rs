@@ -93,9 +93,11 @@ pub trait JointLaw: Send + Sync + fmt::Debug {
     fn directions(&self) -> usize;
 
     /// Displacement in m of a direction at which the law changes its character. Solvers scale their unknowns with it.
+    /// Zero where there is none: bodies that just touch at rest.
     fn length(&self, direction: usize) -> f64;
 
-    /// The largest local stiffness in N/m that a motion in this direction alone can meet there.
+    /// The largest local stiffness in N/m that a motion in this direction alone can meet there; where that has no
+    /// bound, the secant stiffness at [`JointLaw::length`].
     fn stiffness(&self, direction: usize) -> f64;
 
     /// Samples a period that the law asks for when the motion has `harmonics` harmonics.

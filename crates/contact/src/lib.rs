@@ -12,6 +12,7 @@
 //! | [`Iwan`] | `iwan.rs` | Jenkins elements in parallel, from a backbone (Masing's rule) |
 //! | [`Coulomb`] | `coulomb.rs` | F_s tanh(ẇ/v) |
 //! | [`Cubic`] | `cubic.rs` | k₃ w³ |
+//! | [`Gap`] | `gap.rs` | k max(w − g, 0) |
 //! | [`Linear`] | `linear.rs` | k w |
 //!
 //! A contact in several directions, friction under a normal load that the motion changes, is a [`JointLaw`]:
@@ -19,6 +20,7 @@
 //! | law | file | forces |
 //! |---|---|---|
 //! | [`FrictionContact`] | `friction_contact.rs` | spring and Coulomb slider in one or two directions, limit μN; N unilateral |
+//! | [`LoadedLoop`] | `loaded_loop.rs` | a scaled loop whose force goes with the normal load |
 //!
 //! The numbers of eqs (6) and (7) are identified from measured loops by [`identification::identify`].
 //!
@@ -42,11 +44,13 @@ mod error;
 mod events;
 mod family_curve;
 mod friction_contact;
+mod gap;
 pub mod identification;
 mod iwan;
 mod joint;
 mod law;
 mod linear;
+mod loaded_loop;
 mod logarithmic;
 mod loop_curve;
 mod loop_family;
@@ -74,10 +78,12 @@ pub use elastic_coulomb::{ElasticCoulomb, ElasticCoulombParameters};
 pub use error::{LawError, ParameterError};
 pub use events::{ForcePiece, PiecewiseLinear};
 pub use friction_contact::{FrictionContact, FrictionContactParameters};
+pub use gap::{Gap, GapParameters};
 pub use iwan::{Iwan, IwanParameters};
 pub use joint::{JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace};
 pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 pub use linear::{Linear, LinearParameters};
+pub use loaded_loop::LoadedLoop;
 pub use loop_family::LoopFamily;
 pub use mechanism::{JointMechanism, Mechanism, SmoothForce, UnilateralSpring};
 pub use normal_contact::{NormalContact, NormalContactParameters};

@@ -13,9 +13,10 @@
 use contact::{LawError, Marks, Motion, Recall};
 use faer::{Mat, c64};
 
+use crate::joint_force::{JointBuffers, JointDerivative};
 use crate::pieces::PieceSeries;
 use crate::point::Point;
-use crate::problem::Contact;
+use crate::problem::{Contact, Joint};
 use crate::transform::{Buffers, Transform};
 
 /// How far the problem is changed on the way to itself.
@@ -37,7 +38,7 @@ impl Homotopy {
 }
 
 /// A rung of a ladder has at most so many times the harmonics of the one below, and one more.
-const LADDER_STEP: usize = 2;
+pub(crate) const LADDER_STEP: usize = 2;
 
 /// Change of one harmonic of a contact force by the real and by the imaginary part of one harmonic of the displacement.
 pub(crate) type Block = (c64, c64);
@@ -49,6 +50,9 @@ const DIRECT: usize = 24;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Balance<'a> {
     pub(crate) contacts: &'a [Contact],
+    pub(crate) joints: &'a [Joint],
+    /// Directions of all joints together; their rows are the last ones.
+    pub(crate) joint_rows: usize,
     /// Multiples of the base frequency, one a slot.
     pub(crate) orders: &'a [usize],
     pub(crate) odd: bool,
@@ -95,8 +99,10 @@ impl BalanceBuffers {
 #[derive(Debug)]
 pub(crate) struct BalanceBuffers {
     contacts: Vec<ContactBuffers>,
-    fft: Buffers,
-    /// F̂, entry `[slot][i]` over active contacts.
+    pub(crate) joints: Vec<JointBuffers>,
+    pub(crate) derivative: JointDerivative,
+    pub(crate) fft: Buffers,
+    /// F̂, entry `[slot][i]` over active rows.
     pub(crate) forces: Vec<c64>,
     /// What the structure feels of them, likewise.
     felt: Vec<c64>,
@@ -127,9 +133,11 @@ impl Balance<'_> {
             marks: None,
             omega: 0.0,
         };
-        let entries = self.orders.len() * self.contacts.len();
+        let entries = self.orders.len() * (self.contacts.len() + self.joint_rows);
         BalanceBuffers {
             contacts: self.contacts.iter().map(contact).collect(),
+            joints: self.joints.iter().map(|joint| JointBuffers::new(joint, samples, highest)).collect(),
+            derivative: JointDerivative::new(samples, self.joints),
             fft: self.transform.buffers(),
             forces: vec![c64::ZERO; entries],
             felt: vec![c64::ZERO; entries],
@@ -152,9 +160,10 @@ impl Balance<'_> {
         buffers: &mut BalanceBuffers,
     ) -> Result<f64, LawError> {
         let width = point.width();
-        for (row, &c) in point.active.iter().enumerate() {
+        for (row, &c) in point.active[..width - self.joint_rows].iter().enumerate() {
             self.contact_force(point, slots, homotopy, (row, c), unknowns, buffers)?;
         }
+        self.joint_forces(point, slots, homotopy, unknowns, buffers)?;
         for (entry, felt) in buffers.felt.iter_mut().enumerate().take(slots * width) {
             *felt = point.felt(entry, homotopy.contact * buffers.forces[entry], unknowns[entry]);
         }
@@ -261,15 +270,28 @@ impl Balance<'_> {
                 buffers.forces[slot * width + row] = coefficients[order] * (one_sided * unit);
             }
         }
+        self.blend_secant(point, slots, homotopy, row, unknowns, &mut buffers.forces);
+        Ok(())
+    }
+
+    /// Replaces a share of the force in active row `row` by its secant stiffness.
+    pub(crate) fn blend_secant(
+        &self,
+        point: &Point,
+        slots: usize,
+        homotopy: Homotopy,
+        row: usize,
+        unknowns: &[c64],
+        forces: &mut [c64],
+    ) {
         if homotopy.secant > 0.0 {
             for (slot, &order) in self.orders.iter().enumerate().take(slots) {
-                let entry = slot * width + row;
+                let entry = slot * point.width() + row;
                 let linear = point.secant_stiffness(row, order) * unknowns[entry];
-                let own = buffers.forces[entry];
-                buffers.forces[entry] = own + (linear - own) * homotopy.secant;
+                let own = forces[entry];
+                forces[entry] = own + (linear - own) * homotopy.secant;
             }
         }
-        Ok(())
     }
 
     /// κ(τ) w(τ) at samples into `force`, with the spectrum of κ cut off where no harmonic of the motion is reached any
@@ -316,7 +338,7 @@ impl Balance<'_> {
         let width = point.width();
         let size = self.size(width, slots);
         matrix.as_mut().submatrix_mut(0, 0, size, size).fill(0.0);
-        for (column, &c) in point.active.iter().enumerate() {
+        for (column, &c) in point.active[..width - self.joint_rows].iter().enumerate() {
             self.transform_tangent(slots, c, buffers);
             let unit = self.contacts[c].scale * point.length[column] * homotopy.stretch / point.force[column];
             for p in 0..slots {
@@ -348,6 +370,7 @@ impl Balance<'_> {
                 }
             }
         }
+        self.joint_jacobian(point, slots, homotopy, buffers, matrix);
         for slot in 0..slots {
             for row in 0..width {
                 let (r, is_complex) = self.real_index(width, slot, row);
@@ -361,7 +384,7 @@ impl Balance<'_> {
         }
     }
 
-    /// The derivative of the contact forces alone, dimensionless and times μ, entry `[i][p][j]`.
+    /// The derivative of the contact forces alone, dimensionless and times μ, entry `[i][p][j]`; then that of the joints.
     pub(crate) fn blocks(
         &self,
         point: &Point,
@@ -371,7 +394,7 @@ impl Balance<'_> {
         blocks: &mut Vec<Block>,
     ) {
         blocks.clear();
-        for (row, &c) in point.active.iter().enumerate() {
+        for (row, &c) in point.active[..point.width() - self.joint_rows].iter().enumerate() {
             self.transform_tangent(slots, c, buffers);
             let unit = self.contacts[c].scale * point.length[row] * homotopy.stretch / point.force[row];
             for (p, j) in (0..slots).flat_map(|p| (0..slots).map(move |j| (p, j))) {
@@ -383,6 +406,7 @@ impl Balance<'_> {
                 blocks.push((block.0 * unit, block.1 * unit));
             }
         }
+        self.joint_blocks(point, slots, homotopy, buffers, blocks);
     }
 
     /// The derivative of −Ĝ Ŝ û.

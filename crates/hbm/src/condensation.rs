@@ -1,15 +1,15 @@
-//! The linear structure seen from its contacts: receptances and free response at one frequency, everything else
-//! condensed away.
+//! The linear structure seen from its rows, the relative displacements at contacts and joints: receptances and free
+//! response at one frequency, everything else condensed away.
 //!
-//! With `H_k = C − (kΩ)² M + i kΩ D`, eq. (4), contact directions B (one column a contact, relative displacement
-//! u = Bᵀ w) and contact forces F on the first bodies' drive (rig convention):
+//! With `H_k = C − (kΩ)² M + i kΩ D`, eq. (4), directions B (one column a row, relative displacement u = Bᵀ w) and contact
+//! forces F on the first bodies' drive (rig convention):
 //!
 //! ```text
 //! w_k = H_k⁻¹ f_k − H_k⁻¹ B F_k,   u_k = u⁰_k − G_k F_k,   G_k = Bᵀ H_k⁻¹ B,   u⁰_k = Bᵀ H_k⁻¹ f_k
 //! ```
 //!
 //! Where H_k is singular (an undamped resonance, a free rigid body) there is no G_k, but the balance has a solution all
-//! the same when the contacts resist. Springs S are then lent to the structure at the contacts and taken back from the
+//! the same when the contacts resist. Springs S are then lent to the structure at the rows and taken back from the
 //! force, which changes nothing:
 //!
 //! ```text
@@ -27,7 +27,8 @@ use crate::harmonics::Harmonics;
 use crate::matrices::{Additions, Factor, Matrices};
 use crate::modal::{Modal, ModalBuffers};
 use crate::plan::Receptances;
-use crate::problem::{Contact, ExcitationKind, Problem};
+use crate::problem::{Contact, ExcitationKind, Joint, Problem};
+use crate::rows::Rows;
 
 /// Pivots of the balanced dynamic stiffness below this fraction of the largest count as zero.
 const SINGULAR: f64 = 1e-15;
@@ -61,9 +62,9 @@ pub(crate) struct Structure {
     matrices: Matrices,
     /// Modes that make a factorisation unnecessary at most frequencies.
     modal: Option<Modal>,
-    contacts: Vec<(usize, Option<usize>)>,
-    /// In N/m; infinite where a law has no stiffness of its own.
-    contact_stiffness: Vec<f64>,
+    rows: Rows,
+    /// Of the law of each row in N/m; infinite where it has no stiffness of its own.
+    row_stiffness: Vec<f64>,
     outputs: Vec<usize>,
     /// For each output dof that contacts tie to the ground: the contacts on the way and their signs.
     paths: Vec<Option<Vec<(usize, f64)>>>,
@@ -76,7 +77,7 @@ pub(crate) struct Structure {
 /// The structure at one frequency, in SI units; buffers are reused.
 #[derive(Debug)]
 pub(crate) struct Condensed {
-    pub(crate) contacts: usize,
+    pub(crate) rows: usize,
     pub(crate) outputs: usize,
     /// Angular frequency of the lowest harmonic in rad/s.
     pub(crate) omega: f64,
@@ -113,6 +114,14 @@ fn own_stiffness(contact: &Contact) -> f64 {
         (None, true) => law.secant_stiffness(1.0) * contact.scale,
         (None, false) => f64::INFINITY,
     }
+}
+
+/// Stiffness of each row of a joint in N/m.
+fn joint_stiffness(joint: &Joint) -> impl Iterator<Item = f64> {
+    (0..joint.directions.len()).map(|direction| {
+        let stiffness = joint.law.stiffness(direction) * joint.scale;
+        if stiffness > 0.0 { stiffness } else { f64::INFINITY }
+    })
 }
 
 /// The shortest chain of contacts from every output dof to the ground, where there is one.
@@ -168,6 +177,12 @@ fn paths_to_ground<M>(problem: &Problem<M>, dofs: usize) -> Vec<Option<Vec<(usiz
     problem.output.iter().map(path).collect()
 }
 
+/// The relative displacement of a row, from that of the dofs.
+#[inline]
+fn across(parts: &[(usize, f64)], at: impl Fn(usize) -> c64) -> c64 {
+    parts.iter().map(|&(dof, coefficient)| at(dof) * coefficient).sum()
+}
+
 impl Structure {
     pub(crate) fn new<M>(
         problem: &Problem<M>,
@@ -196,11 +211,12 @@ impl Structure {
                 }
             }
         }
-        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
+        let rows = Rows::new(&problem.contacts, &problem.joints);
+        let of_contacts = problem.contacts.iter().map(own_stiffness);
         Self {
-            modal: matrices.modal(&contacts, &problem.output, &loads),
-            contacts,
-            contact_stiffness: problem.contacts.iter().map(own_stiffness).collect(),
+            modal: matrices.modal(&rows, &problem.output, &loads),
+            rows,
+            row_stiffness: of_contacts.chain(problem.joints.iter().flat_map(joint_stiffness)).collect(),
             outputs: problem.output.clone(),
             paths: paths_to_ground(problem, matrices.dofs()),
             matrices,
@@ -243,18 +259,18 @@ impl Structure {
 
     /// Buffers for one thread.
     pub(crate) fn condensed(&self) -> Condensed {
-        let (n, contacts, outputs, slots) =
-            (self.matrices.dofs(), self.contacts.len(), self.outputs.len(), self.orders.len());
-        let block = self.matrices.block(contacts + 1);
+        let (n, rows, outputs, slots) =
+            (self.matrices.dofs(), self.rows.count(), self.outputs.len(), self.orders.len());
+        let block = self.matrices.block(rows + 1);
         Condensed {
-            contacts,
+            rows,
             outputs,
             omega: 0.0,
-            receptance: vec![c64::ZERO; slots * contacts * contacts],
-            free: vec![c64::ZERO; slots * contacts],
-            recovery: vec![c64::ZERO; slots * outputs * contacts],
+            receptance: vec![c64::ZERO; slots * rows * rows],
+            free: vec![c64::ZERO; slots * rows],
+            recovery: vec![c64::ZERO; slots * outputs * rows],
             free_output: vec![c64::ZERO; slots * outputs],
-            lent: vec![c64::ZERO; slots * contacts],
+            lent: vec![c64::ZERO; slots * rows],
             added_damping: 0.0,
             factored: false,
             self_excitation: 0.0,
@@ -292,7 +308,7 @@ impl Structure {
         self.condense_where(hertz, slots, NEARLY_SINGULAR, into)
     }
 
-    /// As [`Structure::condense`], with springs as stiff as the structure lent to every contact at every harmonic: nothing
+    /// As [`Structure::condense`], with springs as stiff as the structure lent to every row at every harmonic: nothing
     /// is singular then, and all of it is smooth in the frequency, also where the structure moves freely.
     ///
     /// # Errors
@@ -317,8 +333,7 @@ impl Structure {
         let lowest = self.orders.iter().find(|&&order| order > 0);
         into.omega = base * lowest.map_or(1.0, |&order| order as f64);
         for (slot, &order) in self.orders.iter().enumerate().take(slots.end).skip(slots.start) {
-            let contacts = slot * into.contacts..(slot + 1) * into.contacts;
-            into.lent[contacts.clone()].fill(c64::ZERO);
+            into.lent[slot * into.rows..(slot + 1) * into.rows].fill(c64::ZERO);
             if lending < ALWAYS && !into.factored && self.respond_by_modes(slot, base, into) {
                 into.singular[slot] = false;
                 continue;
@@ -340,37 +355,36 @@ impl Structure {
 
     /// Factors the dynamic stiffness with the springs lent to one slot.
     fn factor(&self, omega: f64, slot: usize, into: &mut Condensed) {
-        let Condensed { factor, scale, lent, added_damping, self_excitation, contacts, .. } = into;
-        let springs = &lent[slot * *contacts..(slot + 1) * *contacts];
+        let Condensed { factor, scale, lent, added_damping, self_excitation, rows, .. } = into;
+        let springs = &lent[slot * *rows..(slot + 1) * *rows];
         let additions = Additions {
             damping: *added_damping,
             self_excitation: *self_excitation,
-            contacts: &self.contacts,
+            rows: &self.rows,
             springs,
         };
         self.matrices.factorise(omega, additions, scale, factor);
     }
 
-    /// Springs at the contacts of one slot, as stiff as the contacts, and no stiffer than the structure itself: stiffer
+    /// Springs at the rows of one slot, as stiff as their laws, and no stiffer than the structure itself: stiffer
     /// ones would hide what weak contacts do. With `stiff` all are like the structure.
     fn lend(&self, omega: f64, slot: usize, stiff: bool, into: &mut Condensed) {
         let size = |scale: f64| 1.0 / (scale * scale);
-        for (l, (&(first, second), contact)) in self.contacts.iter().zip(&self.contact_stiffness).enumerate()
-        {
-            let own = size(into.scale[first]);
-            let structure = second.map_or(own, |second| own.min(size(into.scale[second])));
-            let stiffness = if stiff { structure } else { structure.min(*contact) };
-            into.lent[slot * into.contacts + l] =
+        for (l, (parts, own)) in self.rows.iter().zip(&self.row_stiffness).enumerate() {
+            let felt = |&(dof, coefficient): &(usize, f64)| size(into.scale[dof] * coefficient);
+            let structure = parts.iter().map(felt).fold(f64::INFINITY, f64::min);
+            let stiffness = if stiff { structure } else { structure.min(*own) };
+            into.lent[slot * into.rows + l] =
                 if omega == 0.0 { c64::from(stiffness) } else { c64::new(0.0, stiffness) };
         }
     }
 
-    /// `∂u/∂Ω` of the contacts in m s at forces that do not change, entry `[slot][i]`: with the motion w of all dofs under
+    /// `∂u/∂Ω` of the rows in m s at forces that do not change, entry `[slot][i]`: with the motion w of all dofs under
     /// the forces `felt` in N (entry `[slot][l]`), `∂w/∂Ω = H⁻¹ (∂f/∂Ω − ∂H/∂Ω w)`. Springs stay lent as they are.
     pub(crate) fn frequency_slope(&self, hertz: f64, felt: &[c64], into: &mut Condensed, slope: &mut [c64]) {
         let base = std::f64::consts::TAU * hertz;
-        let (n, contacts) = (self.matrices.dofs(), into.contacts);
-        for (slot, &order) in self.orders.iter().enumerate().take(slope.len() / contacts.max(1)) {
+        let (n, rows) = (self.matrices.dofs(), into.rows);
+        for (slot, &order) in self.orders.iter().enumerate().take(slope.len() / rows.max(1)) {
             let k = order as f64;
             let omega = k * base;
             self.factor(omega, slot, into);
@@ -381,11 +395,10 @@ impl Structure {
                 let growth = if load.grows { base * base } else { 1.0 };
                 rhs[(load.dof, 0)] += load.amplitude * (growth * scale[load.dof]);
             }
-            for (l, &(first, second)) in self.contacts.iter().enumerate() {
-                let force = felt[slot * contacts + l];
-                rhs[(first, 0)] -= force * scale[first];
-                if let Some(second) = second {
-                    rhs[(second, 0)] += force * scale[second];
+            for (l, parts) in self.rows.iter().enumerate() {
+                let force = felt[slot * rows + l];
+                for &(dof, coefficient) in parts {
+                    rhs[(dof, 0)] -= force * (coefficient * scale[dof]);
                 }
             }
             factor.solve(rhs.as_mut().subcols_mut(0, 1));
@@ -398,9 +411,8 @@ impl Structure {
                 rhs[(i, 0)] -= change * scale[i];
             }
             factor.solve(rhs.as_mut().subcols_mut(0, 1));
-            for (i, &(first, second)) in self.contacts.iter().enumerate() {
-                let at = |dof: usize| rhs[(dof, 0)] * scale[dof];
-                slope[slot * contacts + i] = at(first) - second.map_or(c64::ZERO, at);
+            for (i, parts) in self.rows.iter().enumerate() {
+                slope[slot * rows + i] = across(parts, |dof| rhs[(dof, 0)] * scale[dof]);
             }
         }
     }
@@ -412,7 +424,7 @@ impl Structure {
         else {
             return false;
         };
-        let (contacts, outputs) = (into.contacts, into.outputs);
+        let (rows, outputs) = (into.rows, into.outputs);
         let Condensed { modal: buffers, receptance, recovery, free, free_output, .. } = into;
         let Matrices::Dense { mass, damping, stiffness } = &self.matrices else { return false };
         let omega = self.orders[slot] as f64 * base;
@@ -422,15 +434,14 @@ impl Structure {
         let [re, im] = &buffers.receptance;
         // A contact much stiffer than the structure is felt in digits that a receptance without springs does not have.
         let stiff = |i: usize| {
-            let stiffness =
-                if self.contact_stiffness[i].is_finite() { self.contact_stiffness[i] } else { 0.0 };
+            let stiffness = if self.row_stiffness[i].is_finite() { self.row_stiffness[i] } else { 0.0 };
             re[(i, i)].hypot(im[(i, i)]) * stiffness > MUCH_STIFFER
         };
-        if (0..contacts).any(stiff) {
+        if (0..rows).any(stiff) {
             return false;
         }
-        for i in 0..contacts {
-            let row = &mut receptance[(slot * contacts + i) * contacts..][..contacts];
+        for i in 0..rows {
+            let row = &mut receptance[(slot * rows + i) * rows..][..rows];
             for (l, entry) in row.iter_mut().enumerate() {
                 let (high, low) = (i.max(l), i.min(l));
                 *entry = c64::new(re[(high, low)], im[(high, low)]);
@@ -438,25 +449,25 @@ impl Structure {
         }
         let [re, im] = &buffers.recovery;
         for o in 0..outputs {
-            let row = &mut recovery[(slot * outputs + o) * contacts..][..contacts];
+            let row = &mut recovery[(slot * outputs + o) * rows..][..rows];
             for (l, entry) in row.iter_mut().enumerate() {
                 *entry = c64::new(re[(o, l)], im[(o, l)]);
             }
         }
-        let own = &mut free[slot * contacts..(slot + 1) * contacts];
+        let own = &mut free[slot * rows..(slot + 1) * rows];
         modal.free(slot, base, buffers, own, &mut free_output[slot * outputs..(slot + 1) * outputs]);
         // Contacts push where the excitation moves them, as hard as it takes to stop them; higher harmonics likewise.
         let excited = self.loads.iter().position(|loads| !loads.is_empty()).filter(|first| *first <= slot);
-        let moved = excited.map(|first| &free[first * contacts..(first + 1) * contacts]);
+        let moved = excited.map(|first| &free[first * rows..(first + 1) * rows]);
         let held = |l: usize| {
-            let own = receptance[(slot * contacts + l) * contacts + l];
+            let own = receptance[(slot * rows + l) * rows + l];
             moved
                 .and_then(|moved| moved.get(l))
                 .map_or(c64::ONE, |moved| if own == c64::ZERO { own } else { moved / own })
         };
-        let pushes = self.contacts.iter().enumerate().flat_map(|(l, &(first, second))| {
+        let pushes = self.rows.iter().enumerate().flat_map(|(l, parts)| {
             let force = held(l);
-            [Some((first, force)), second.map(|second| (second, -force))].into_iter().flatten()
+            parts.iter().map(move |&(dof, coefficient)| (dof, force * coefficient))
         });
         let loads = self.loads.get(slot).into_iter().flatten();
         let excitation = loads.map(|load| {
@@ -466,52 +477,45 @@ impl Structure {
         modal.solves(omega, [mass, damping, stiffness], excitation.chain(pushes), buffers)
     }
 
-    /// Responses of harmonic `slot` to a unit force at every contact and to the excitation.
+    /// Responses of harmonic `slot` to a unit force in every row and to the excitation.
     fn respond(&self, slot: usize, base: f64, into: &mut Condensed) {
-        let (contacts, outputs) = (into.contacts, into.outputs);
+        let (rows, outputs) = (into.rows, into.outputs);
         let loads = self.loads.get(slot).map_or(&[][..], |loads| loads);
         if loads.is_empty() {
-            into.free[slot * contacts..(slot + 1) * contacts].fill(c64::ZERO);
+            into.free[slot * rows..(slot + 1) * rows].fill(c64::ZERO);
             into.free_output[slot * outputs..(slot + 1) * outputs].fill(c64::ZERO);
         }
-        let columns = if loads.is_empty() { contacts } else { contacts + 1 };
+        let columns = if loads.is_empty() { rows } else { rows + 1 };
         let Condensed { rhs, scale, factor, receptance, free, recovery, free_output, .. } = into;
         let block = rhs.ncols();
         for begin in (0..columns).step_by(block.max(1)) {
             let end = columns.min(begin + block);
             rhs.fill(c64::ZERO);
-            for l in begin..end.min(contacts) {
-                let (first, second) = self.contacts[l];
-                rhs[(first, l - begin)] += scale[first];
-                if let Some(second) = second {
-                    rhs[(second, l - begin)] -= scale[second];
+            for l in begin..end.min(rows) {
+                for &(dof, coefficient) in self.rows.parts(l) {
+                    rhs[(dof, l - begin)] += coefficient * scale[dof];
                 }
             }
-            for load in loads.iter().filter(|_| end > contacts) {
+            for load in loads.iter().filter(|_| end > rows) {
                 let growth = if load.grows { base * base } else { 1.0 };
-                rhs[(load.dof, contacts - begin)] += load.amplitude * (growth * scale[load.dof]);
+                rhs[(load.dof, rows - begin)] += load.amplitude * (growth * scale[load.dof]);
             }
             factor.solve(rhs.as_mut().subcols_mut(0, end - begin));
-            // The displacement of a dof, relative to a second one for a contact.
             let at = |dof: usize, column: usize| rhs[(dof, column - begin)] * scale[dof];
-            let across = |i: usize, column: usize| {
-                let (first, second) = self.contacts[i];
-                at(first, column) - second.map_or(c64::ZERO, |second| at(second, column))
-            };
-            for i in 0..contacts {
-                for l in begin..end.min(contacts) {
-                    receptance[(slot * contacts + i) * contacts + l] = across(i, l);
+            for (i, parts) in self.rows.iter().enumerate() {
+                for l in begin..end.min(rows) {
+                    receptance[(slot * rows + i) * rows + l] = across(parts, |dof| at(dof, l));
                 }
-                if end > contacts {
-                    free[slot * contacts + i] = across(i, contacts);
+                if end > rows {
+                    free[slot * rows + i] = across(parts, |dof| at(dof, rows));
                 }
             }
             for (o, &dof) in self.outputs.iter().enumerate() {
-                for l in begin..end.min(contacts) {
-                    recovery[(slot * outputs + o) * contacts + l] = at(dof, l);
+                for l in begin..end.min(rows) {
+                    recovery[(slot * outputs + o) * rows + l] = at(dof, l);
                 }
-                if end > contacts {
-                    free_output[slot * outputs + o] = at(dof, contacts);
+                if end > rows {
+                    free_output[slot * outputs + o] = at(dof, rows);
                 }
             }
         }

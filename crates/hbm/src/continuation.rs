@@ -163,7 +163,7 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
     let mut workspace = course.plan().workspace();
     let mut curve = Curve { points: Vec::new(), end: CurveEnd::NoStart };
     let first = course.plan().solve(course.frequency(from), &mut workspace);
-    if first.status != Status::Converged || workspace.point.width() < first.contacts.len() {
+    if first.status != Status::Converged || workspace.point.width() < course.plan().rows() {
         curve.end = if first.status.solved() { CurveEnd::Rest } else { CurveEnd::NoStart };
         return curve;
     }
@@ -505,7 +505,7 @@ impl<'c> Tracer<'c> {
         let slots = plan.rungs[self.ws.goal].slots;
         let moves = |row: usize| (0..slots).any(|slot| self.ws.unknowns[slot * width + row].norm() > AT_REST);
         let holds = |row: usize| plan.contacts[self.ws.point.active[row]].law.holding_force() > 0.0;
-        (0..width).any(|row| holds(row) && !moves(row))
+        (0..width - plan.joint_rows).any(|row| holds(row) && !moves(row))
     }
 
     /// Amplitudes of the output dofs at the base frequency, at a place.

@@ -5,7 +5,8 @@ use faer::c64;
 use crate::balance::Homotopy;
 use crate::error::PlanError;
 use crate::plan::{Plan, Workspace};
-use crate::problem::Problem;
+use crate::problem::{Joint, Problem};
+use crate::rows::Rows;
 use crate::settings::{Settings, Start};
 
 /// A family of balances in one parameter.
@@ -43,7 +44,7 @@ impl Plan {
         }
         (ws.goal, ws.ready) = (self.top, slots);
         ws.held.fill(false);
-        ws.point.set(&ws.condensed, &self.contacts, slots, &ws.held);
+        ws.point.set(&ws.condensed, self.laws(), slots, &ws.held);
         true
     }
 
@@ -167,14 +168,20 @@ fn resonances(problem: &Problem, orders: &[usize]) -> Vec<(f64, f64)> {
     harmonics.iter().flat_map(|&k| found.iter().map(move |mode| at(mode, k))).collect()
 }
 
-/// Springs in place of the contacts: (first, second, N/m).
-pub(crate) fn stuck_springs(problem: &Problem, stuck: bool) -> Vec<(usize, Option<usize>, f64)> {
+/// Springs in place of contacts and joints: the parts of every row, N/m.
+pub(crate) fn stuck_springs(problem: &Problem, stuck: bool) -> Vec<(Vec<(usize, f64)>, f64)> {
     let stiffness = |contact: &crate::Contact| match (stuck, contact.law.stiffest()) {
         (false, _) => 0.0,
         (true, Some(stiffest)) => stiffest * contact.scale,
         (true, None) => contact.law.length().map_or(0.0, |a| contact.law.secant_stiffness(a)) * contact.scale,
     };
-    problem.contacts.iter().map(|c| (c.first, c.second, stiffness(c))).collect()
+    let of_joint = |joint: &Joint, direction: usize| {
+        if stuck { joint.law.stiffness(direction) * joint.scale } else { 0.0 }
+    };
+    let joints = problem.joints.iter().flat_map(|j| (0..j.directions.len()).map(move |d| of_joint(j, d)));
+    let rows = Rows::new(&problem.contacts, &problem.joints);
+    let parts = rows.iter().map(<[_]>::to_vec);
+    parts.zip(problem.contacts.iter().map(stiffness).chain(joints)).collect()
 }
 
 impl Course for FrequencyCourse {

@@ -57,7 +57,7 @@ impl Plan {
         ws.condensed.added_damping = damping;
         let regular = self.structure.condense(hertz, 0..slots, &mut ws.condensed).is_ok();
         ws.ready = slots;
-        ws.point.set(&ws.condensed, &self.contacts, slots, &ws.held);
+        ws.point.set(&ws.condensed, self.laws(), slots, &ws.held);
         for (entry, unknown) in ws.unknowns.iter_mut().enumerate().take(count) {
             *unknown /= ws.point.length[entry % width];
         }

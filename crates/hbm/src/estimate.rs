@@ -10,6 +10,7 @@ use crate::balance::Homotopy;
 use crate::harmonics::beyond;
 use crate::newton::Outcome;
 use crate::plan::{Plan, Workspace};
+use crate::rows::joint_rows;
 
 /// What the difference to twice the harmonics is multiplied with: the part of the error that both have in common, and
 /// spectra that fall unevenly.
@@ -118,7 +119,7 @@ impl Plan {
         let wanted = beyond(self.rungs[here].order);
         let there = self.rungs.iter().position(|rung| rung.order >= wanted)?;
         let (from, to) = (self.rungs[here].slots, self.rungs[there].slots);
-        if ws.point.width() < self.contacts.len() || self.reach(to, hertz, ws).is_err() {
+        if ws.point.width() < self.rows() || self.reach(to, hertz, ws).is_err() {
             return None;
         }
         let mut near = std::mem::take(&mut ws.outputs.0);
@@ -167,7 +168,7 @@ impl Plan {
     }
 
     /// Displacements of the output dofs in m, entry `[o][slot]`, of the motion and the forces last evaluated in `rung`;
-    /// without any output dofs those of the contacts. No contact is held.
+    /// without any output dofs those of the rows. No contact is held.
     fn outputs(&self, rung: usize, rows: &mut Vec<c64>, ws: &Workspace) {
         let (slots, width, outputs) = (self.rungs[rung].slots, ws.point.width(), ws.condensed.outputs);
         rows.clear();
@@ -201,7 +202,7 @@ impl Plan {
     }
 
     /// Estimate of the relative l2 error of the relative displacement from the finite number of samples, the worst of
-    /// the contacts: the Newton step that more samples would make. `None` where it cannot be made.
+    /// the contacts and joints: the Newton step that more samples would make. `None` where it cannot be made.
     fn sampling_error(&self, ws: &mut Workspace) -> Option<f64> {
         let free = self.linear || self.scalar || self.harmonics.asked == 0;
         if free || !self.has_samples() || ws.point.width() == 0 {
@@ -214,13 +215,23 @@ impl Plan {
             return None;
         }
         let width = ws.point.width();
-        let part = |row: usize| {
+        let sums = |row: usize| {
             let entries = || (0..slots).map(|slot| slot * width + row);
             let size: f64 = entries().map(|entry| ws.unknowns[entry].norm_sqr()).sum();
             let change: f64 = entries().map(|entry| ws.kept[entry].norm_sqr()).sum();
-            if change > 0.0 { (change / size).sqrt() } else { 0.0 }
+            (change, size)
         };
-        let worst = (0..width).map(part).fold(0.0, f64::max);
+        let part = |(change, size): (f64, f64)| if change > 0.0 { (change / size).sqrt() } else { 0.0 };
+        // The directions of a joint together: it may hardly move in one of them.
+        let together = |rows: std::ops::Range<usize>| {
+            rows.fold((0.0, 0.0), |all, row| {
+                let (square, (change, size)) = (ws.point.length[row].powi(2), sums(row));
+                (all.0 + change * square, all.1 + size * square)
+            })
+        };
+        let scalar = width - self.joint_rows;
+        let joints = joint_rows(scalar, &self.joints).map(|(_, rows)| part(together(rows)));
+        let worst = (0..scalar).map(|row| part(sums(row))).chain(joints).fold(0.0, f64::max);
         // The error falls with the square of the number of samples.
         let ratio = samples as f64 / self.rungs[finer].transform.samples() as f64;
         Some(SAMPLING_SAFETY * worst / (1.0 - ratio * ratio))

@@ -108,7 +108,7 @@ impl FreeMotion {
         };
         let plan = Plan::new(&own, &whole(settings))?;
         let ws = plan.workspace();
-        let size = 2 * plan.slots() * own.contacts.len() + 2;
+        let size = 2 * plan.slots() * plan.rows() + 2;
         Ok(Self {
             plan,
             ws,
@@ -161,10 +161,10 @@ impl FreeMotion {
         self.ws.condensed.self_excitation = 0.0;
         self.plan.structure.condense_sprung(omega / TAU, 0..slots, &mut self.ws.condensed).ok()?;
         (self.ws.goal, self.ws.ready) = (self.plan.top, slots);
-        self.ws.point.set(&self.ws.condensed, &self.plan.contacts, slots, &self.ws.held);
+        self.ws.point.set(&self.ws.condensed, self.plan.laws(), slots, &self.ws.held);
         let width = self.ws.point.width();
         // The response to a force on the reference at the resonance has the shape of the mode.
-        for row in 0..width {
+        for row in 0..width - self.plan.joint_rows {
             let contact = &self.plan.contacts[self.ws.point.active[row]];
             let unit = self.ws.point.length[row] / self.ws.point.force[row];
             let stiffness = contact.law.stiffest().unwrap_or_else(|| {
@@ -173,6 +173,7 @@ impl FreeMotion {
             let stuck = if self.origin == Origin::Stuck { stiffness * contact.scale * unit } else { 0.0 };
             self.ws.point.secant[row] = c64::from(stuck);
         }
+        self.plan.stick_joints(if self.origin == Origin::Stuck { 1.0 } else { 0.0 }, &mut self.ws);
         self.plan.solve_with_secants(slots, &mut self.ws);
         let pinned = self.pinned();
         let length = self.ws.point.length[self.reference];

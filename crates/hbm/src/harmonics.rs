@@ -31,7 +31,8 @@ impl Harmonics {
             divisor => divisor,
         };
         let moving = excited().any(|k| k > 0);
-        let odd_laws = problem.contacts.iter().all(|c| c.law.nature().odd);
+        // A contact pressure that varies makes even harmonics of odd ones.
+        let odd_laws = problem.joints.is_empty() && problem.contacts.iter().all(|c| c.law.nature().odd);
         let odd = odd_laws && moving && excited().all(|k| (k / fundamental) % 2 == 1);
         let asked = if moving { highest / fundamental } else { 0 };
         let room = if estimate && moving { beyond(asked) } else { asked };

@@ -36,7 +36,7 @@ impl Plan {
                 }
                 ws.goal = self.top;
             }
-            ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
+            ws.point.set(&ws.condensed, self.laws(), ws.ready, &ws.held);
             let Some(residual) = self.solve_around_held(solution.frequency, ws) else { break };
             self.holding_forces(ws);
             let released = self.release_overloaded(ws);
@@ -57,7 +57,7 @@ impl Plan {
             }
         }
         ws.held.fill(false);
-        ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
+        ws.point.set(&ws.condensed, self.laws(), ws.ready, &ws.held);
         false
     }
 
@@ -65,7 +65,8 @@ impl Plan {
     fn solve_around_held(&self, hertz: f64, ws: &mut Workspace) -> Option<f64> {
         ws.unknowns.fill(c64::ZERO);
         ws.balance[ws.goal].forces.fill(c64::ZERO);
-        if ws.point.width() == 0 || ws.point.excitation_norm(self.rungs[ws.goal].slots) == 0.0 {
+        let nothing_pushes = || ws.point.excitation_norm(self.rungs[ws.goal].slots) == 0.0;
+        if ws.point.width() == 0 || (self.joints.is_empty() && nothing_pushes()) {
             return Some(0.0);
         }
         self.secant_start(ws);
@@ -78,7 +79,7 @@ impl Plan {
 
     /// Forces that keep the held contacts at rest, into `ws.holding`.
     pub(crate) fn holding_forces(&self, ws: &mut Workspace) {
-        let all = self.contacts.len();
+        let all = self.rows();
         let last = ws.goal;
         ws.holding.fill(c64::ZERO);
         for slot in 0..self.rungs[last].slots {
@@ -107,7 +108,7 @@ impl Plan {
 
     /// max |f(t)| of the holding force of contact `c`, in N: the extremes of a trigonometric polynomial.
     fn peak_holding_force(&self, c: usize, ws: &mut Workspace) -> f64 {
-        let all = self.contacts.len();
+        let all = self.rows();
         let Rung { transform, slots, .. } = &self.rungs[ws.goal];
         let mut spectrum = vec![c64::ZERO; self.harmonics.highest() + 1];
         for (slot, &order) in self.harmonics.reduced.iter().enumerate().take(*slots) {

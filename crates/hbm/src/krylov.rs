@@ -1,6 +1,6 @@
 //! The Newton step of many contacts by GMRES (Saad, Schultz 1986), without the whole derivative.
 //!
-//! A contact couples the harmonics of its own displacement, and the structure couples the contacts harmonic by harmonic,
+//! A contact couples the harmonics of its own displacement (a joint those of all its directions), and the structure couples the contacts harmonic by harmonic,
 //! so with T the derivative of the contact forces (one small block a contact) the product with the derivative
 //!
 //! ```text
@@ -30,8 +30,10 @@ const MANY: usize = 25;
 /// Buffers of the solver for one thread, empty until it is used.
 #[derive(Debug)]
 pub(crate) struct Krylov {
-    /// μ T in units of the balance, entry `[i][p][j]`.
+    /// μ T in units of the balance, entry `[coupling][p][j]`.
     blocks: Vec<Block>,
+    /// (row of the force, row of the motion) of each of them.
+    couplings: Vec<(usize, usize)>,
     /// One a slot.
     preconditioner: Vec<Lu<c64>>,
     /// Whether the preconditioner belongs to this point and these harmonics, and to the derivative at hand.
@@ -61,6 +63,7 @@ impl Krylov {
     pub(crate) fn new() -> Self {
         Self {
             blocks: Vec::new(),
+            couplings: Vec::new(),
             preconditioner: Vec::new(),
             ready: false,
             fresh: false,
@@ -89,6 +92,7 @@ impl Krylov {
     pub(crate) fn load(&mut self, task: &Task, buffers: &mut BalanceBuffers) {
         let (width, count) = (task.point.width(), task.core * task.point.width());
         task.balance.blocks(task.point, task.core, task.homotopy, buffers, &mut self.blocks);
+        task.balance.couplings(width, &mut self.couplings);
         if (self.rhs.nrows(), self.pull.len()) != (2 * count, width) {
             self.basis = Mat::zeros(2 * count, BASIS + 1);
             self.hessenberg = Mat::zeros(BASIS + 1, BASIS);
@@ -141,15 +145,25 @@ impl Krylov {
         for (slot, lu) in self.preconditioner.iter_mut().enumerate().take(slots) {
             lu.reserve(width);
             for column in 0..width {
-                let (by_re, by_im) = self.blocks[(column * slots + slot) * slots + slot];
-                // Of F ↦ A W + B conj(W) the part A.
-                let stiffness = 0.5 * (by_re - c64::new(-by_im.im, by_im.re));
-                let stiffness = stiffness - point.lent[slot * width + column];
                 for row in 0..width {
-                    let entry = slot * width + row;
-                    let unit = if row == column { c64::ONE } else { c64::ZERO };
-                    let g = point.receptance[entry * width + column];
-                    lu.matrix[(row, column)] = (unit + g * stiffness) * point.weight[entry];
+                    lu.matrix[(row, column)] = if row == column { c64::ONE } else { c64::ZERO };
+                }
+            }
+            for (coupling, &(from, column)) in self.couplings.iter().enumerate() {
+                let (by_re, by_im) = self.blocks[(coupling * slots + slot) * slots + slot];
+                // Of F ↦ A W + B conj(W) the part A.
+                let mut stiffness = 0.5 * (by_re - c64::new(-by_im.im, by_im.re));
+                if from == column {
+                    stiffness -= point.lent[slot * width + column];
+                }
+                for row in 0..width {
+                    let g = point.receptance[(slot * width + row) * width + from];
+                    lu.matrix[(row, column)] += g * stiffness;
+                }
+            }
+            for column in 0..width {
+                for row in 0..width {
+                    lu.matrix[(row, column)] *= point.weight[slot * width + row];
                 }
             }
             lu.factor(width);
@@ -295,9 +309,9 @@ impl Krylov {
         for (entry, felt) in self.felt.iter_mut().enumerate() {
             *felt = -point.lent[entry] * self.motion[entry];
         }
-        for column in 0..width {
+        for (coupling, &(into, column)) in self.couplings.iter().enumerate() {
             for p in 0..slots {
-                let row = &self.blocks[(column * slots + p) * slots..][..slots];
+                let row = &self.blocks[(coupling * slots + p) * slots..][..slots];
                 let force: c64 = row
                     .iter()
                     .enumerate()
@@ -306,7 +320,7 @@ impl Krylov {
                         by_re * motion.re + by_im * motion.im
                     })
                     .sum();
-                self.felt[p * width + column] += force;
+                self.felt[p * width + into] += force;
             }
         }
         for slot in 0..slots {

@@ -7,6 +7,7 @@ use crate::balance::Homotopy;
 use crate::newton::{self, Criteria, Outcome, Task};
 use crate::plan::{Plan, Rung, Workspace};
 use crate::point::{Point, secant};
+use crate::rows::joint_rows;
 use crate::settings::many;
 
 /// Up to this harmonic of the base frequency Newton's method costs no more than substitution.
@@ -282,13 +283,31 @@ impl Plan {
     /// Exact when all laws are linear.
     pub(crate) fn solve_linearised(&self, slots: usize, first: usize, ws: &mut Workspace) {
         let width = ws.point.width();
-        for column in 0..width {
+        for column in 0..width - self.joint_rows {
             let contact = &self.contacts[ws.point.active[column]];
             let amplitude = ws.kept[first * width + column].norm();
             let (length, force) = (ws.point.length[column], ws.point.force[column]);
             ws.point.secant[column] = secant(&*contact.law, contact.scale, amplitude, length, force);
         }
+        self.stick_joints(1.0, ws);
         self.solve_with_secants(slots, ws);
+    }
+
+    /// Gives the rows of joints this share of the stiffness that their laws have where they stick.
+    pub(crate) fn stick_joints(&self, share: f64, ws: &mut Workspace) {
+        let first = ws.point.width() - self.joint_rows;
+        for (joint, rows) in joint_rows(first, &self.joints) {
+            for (direction, row) in rows.enumerate() {
+                ws.point.secant[row] = c64::from(share * ws.point.stuck(joint, direction, row));
+            }
+        }
+    }
+
+    /// A guess at the first rung with all joints open: those that slip nearly always, or hardly touch.
+    pub(crate) fn open_start(&self, ws: &mut Workspace) {
+        self.secant_start(ws);
+        self.stick_joints(0.0, ws);
+        self.solve_with_secants(self.rungs[0].slots, ws);
     }
 
     /// Solves `(1 + Ĝ K̂) û = û⁰` in every slot with the secant stiffnesses of the point.
@@ -575,7 +594,7 @@ mod tests {
         ];
         for (name, fallback) in fallbacks {
             plan.structure.condense(57.0, 0..plan.slots(), &mut ws.condensed).unwrap();
-            ws.point.set(&ws.condensed, &plan.contacts, plan.slots(), &[false]);
+            ws.point.set(&ws.condensed, plan.laws(), plan.slots(), &[false]);
             ws.unknowns.fill(c64::ZERO);
             let outcome = fallback(&plan, &mut ws);
             assert!(outcome.converged, "{name}");

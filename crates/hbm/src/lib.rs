@@ -22,6 +22,7 @@ mod free_motion;
 mod harmonics;
 mod hill;
 mod holding;
+mod joint_force;
 mod krylov;
 mod ladder;
 mod matrices;
@@ -38,6 +39,7 @@ mod plan;
 mod point;
 mod problem;
 mod report;
+mod rows;
 mod scalar;
 mod settings;
 mod solution;
@@ -63,7 +65,7 @@ pub use problem::{Contact, Direction, Excitation, ExcitationKind, Joint, Problem
 pub use settings::{Jacobian, LinearSolver, Settings, Start};
 pub use solution::{
     ContactSolution, DirectionSolution, FailureReason, JointSolution, Solution, Stats, Status, Waveform,
-    WaveformContact,
+    WaveformContact, WaveformJoint,
 };
 pub use stability::{NoStability, Stability, StabilityMethod, Verdict};
 pub use structure::{Damping, Model, ModelError, SparseDamping, SparseModel};

@@ -5,6 +5,7 @@ use faer::{Mat, MatMut, c64};
 use crate::condensation::Load;
 use crate::dense::Lu;
 use crate::modal::Modal;
+use crate::rows::Rows;
 use crate::sparse::{SparseFactor, SparseMatrices};
 
 /// M, D and C of the structure.
@@ -21,10 +22,16 @@ pub(crate) struct Additions<'a> {
     pub(crate) damping: f64,
     /// This times the mass is taken off D, in 1/s.
     pub(crate) self_excitation: f64,
-    /// First and second dof of every contact.
-    pub(crate) contacts: &'a [(usize, Option<usize>)],
-    /// A spring at every contact in N/m, most of them zero.
+    pub(crate) rows: &'a Rows,
+    /// A spring at every row in N/m, most of them zero.
     pub(crate) springs: &'a [c64],
+}
+
+impl<'a> Additions<'a> {
+    /// The rows with a spring.
+    pub(crate) fn lent(&self) -> impl Iterator<Item = (&'a [(usize, f64)], &'a c64)> {
+        self.rows.iter().zip(self.springs).filter(|(_, spring)| **spring != c64::ZERO)
+    }
 }
 
 /// The dynamic stiffness of one harmonic, factored; buffers are reused.
@@ -42,15 +49,10 @@ impl Matrices {
     }
 
     /// The modes of dense matrices, where damping leaves them uncoupled and they are worth it.
-    pub(crate) fn modal(
-        &self,
-        contacts: &[(usize, Option<usize>)],
-        outputs: &[usize],
-        loads: &[Vec<Load>],
-    ) -> Option<Modal> {
+    pub(crate) fn modal(&self, rows: &Rows, outputs: &[usize], loads: &[Vec<Load>]) -> Option<Modal> {
         match self {
             Self::Dense { mass, damping, stiffness } => {
-                Modal::new(mass, damping, stiffness, contacts, outputs, loads)
+                Modal::new(mass, damping, stiffness, rows, outputs, loads)
             }
             Self::Sparse(_) => None,
         }
@@ -97,18 +99,12 @@ impl Matrices {
                         lu.matrix[(i, i)] += c64::new(0.0, additions.damping);
                     }
                 }
-                for (&(first, second), &spring) in additions.contacts.iter().zip(additions.springs) {
-                    let Some(second) = second.filter(|_| spring != c64::ZERO) else {
-                        lu.matrix[(first, first)] += spring * scale[first].powi(2);
-                        continue;
-                    };
-                    for (row, column, sign) in [
-                        (first, first, 1.0),
-                        (second, second, 1.0),
-                        (first, second, -1.0),
-                        (second, first, -1.0),
-                    ] {
-                        lu.matrix[(row, column)] += spring * (sign * scale[row] * scale[column]);
+                for (parts, &spring) in additions.lent() {
+                    for &(row, by_row) in parts {
+                        for &(column, by_column) in parts {
+                            let size = by_row * by_column * scale[row] * scale[column];
+                            lu.matrix[(row, column)] += spring * size;
+                        }
                     }
                 }
                 lu.factor(n);

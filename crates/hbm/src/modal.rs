@@ -16,6 +16,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{Accum, Mat, Par, Side, c64};
 
 use crate::condensation::Load;
+use crate::rows::Rows;
 
 /// Dofs from which modes are worth their computation.
 const MODAL_FROM: usize = 48;
@@ -162,7 +163,7 @@ impl Modal {
         mass: &Mat<f64>,
         damping: &Mat<f64>,
         stiffness: &Mat<f64>,
-        contacts: &[(usize, Option<usize>)],
+        rows: &Rows,
         outputs: &[usize],
         loads: &[Vec<Load>],
     ) -> Option<Self> {
@@ -188,15 +189,14 @@ impl Modal {
                 }
             }
             let coupling = stiff.iter().zip(&heavy).zip(&damped).map(|((c, m), d)| [*c, *m, *d]).collect();
-            let across = |l: usize, r: usize| {
-                let (first, second) = contacts[l];
-                shapes[(first, r)] - second.map_or(0.0, |second| shapes[(second, r)])
+            let across = |l: usize, r: usize| -> f64 {
+                rows.parts(l).iter().map(|&(dof, coefficient)| shapes[(dof, r)] * coefficient).sum()
             };
             Some(Self {
                 shift,
                 damping: (0..n).map(|r| parts[2][(r, r)]).collect(),
                 coupling,
-                contacts: Mat::from_fn(n, contacts.len(), |r, l| across(l, r)),
+                contacts: Mat::from_fn(n, rows.count(), |r, l| across(l, r)),
                 outputs: Mat::from_fn(n, outputs.len(), |r, o| shapes[(outputs[o], r)]),
                 loads: loads.iter().map(|loads| projected(loads, &shapes)).collect(),
                 shapes,
@@ -351,7 +351,8 @@ mod tests {
     }
 
     fn modal([mass, damping, stiffness]: &[Mat<f64>; 3]) -> Option<Modal> {
-        Modal::new(mass, damping, stiffness, &[(7, None), (30, Some(33)), (59, None)], &[12], &[])
+        let rows = Rows::of(&[&[(7, 1.0)], &[(30, 1.0), (33, -1.0)], &[(59, 1.0)]]);
+        Modal::new(mass, damping, stiffness, &rows, &[12], &[])
     }
 
     /// Largest relative error of receptance and recovery against a dense solve, over frequencies.

@@ -101,6 +101,10 @@ pub struct NonlinearMode {
 /// Shortest step in ln A.
 const SHORTEST: f64 = 1e-4;
 
+/// A point farther than this from where the last two point to, in ζ or relative in ω, may be of another branch: the amplitude of a
+/// dof can turn back along a mode, and beyond it Newton's method finds whatever has that amplitude.
+const ASIDE: f64 = 0.03;
+
 /// Amplitudes tried for a first point.
 const STARTS: usize = 13;
 
@@ -167,7 +171,11 @@ fn follow(
         let apart = to - here.0;
         let next = if apart.abs() <= 1.001 * step { to } else { here.0 + step * apart.signum() };
         let guess = guess(&here, before.as_ref(), next);
-        match motion.solve(next.exp(), guess) {
+        let aside = |state: &State| {
+            let frequency = (state.omega / guess.omega - 1.0).abs();
+            frequency.max((state.zeta - guess.zeta).abs()) > ASIDE
+        };
+        match motion.solve(next.exp(), guess.clone()).filter(|state| !aside(state)) {
             Some(state) => {
                 let steps = state.steps;
                 found.push((next, state.clone()));

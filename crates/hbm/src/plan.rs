@@ -12,7 +12,8 @@ use crate::harmonics::Harmonics;
 use crate::matrices::Matrices;
 use crate::newton::{Criteria, NewtonBuffers};
 use crate::point::Point;
-use crate::problem::{Contact, ExcitationKind, Problem};
+use crate::problem::{Contact, ExcitationKind, Joint, Problem};
+use crate::rows::Rows;
 use crate::scalar::Root;
 use crate::settings::{Settings, Start};
 use crate::solution::Stats;
@@ -48,13 +49,15 @@ pub struct PlanFacts {
     pub samples: usize,
     /// Contacts whose force is evaluated by its events, without sampling error.
     pub event_exact: usize,
+    /// Contacts in several directions: their forces are sampled, and all harmonics and the mean are unknown.
+    pub joints: usize,
     /// A number of samples was asked for, which piecewise linear laws would not need.
     pub sampled_on_request: bool,
     /// Harmonics of Ω up to which each rung of the ladder goes, the last being N.
     pub ladder: Vec<usize>,
     /// Harmonics of Ω that Newton's method solves for at least; a slaved tail may follow. `None` where there is none.
     pub tail_after: Option<usize>,
-    /// No contact can become stiffer than a known number, so it is known which harmonics can be slaved.
+    /// No contact can become stiffer than a known number, so it is known which harmonics can be slaved. With joints none are.
     pub bounded_stiffness: bool,
     /// Dofs that carry no contact and are condensed away.
     pub condensed_dofs: usize,
@@ -80,6 +83,9 @@ pub(crate) struct Rung {
 #[derive(Debug)]
 pub struct Plan {
     pub(crate) contacts: Vec<Contact>,
+    pub(crate) joints: Vec<Joint>,
+    /// Directions of all joints together.
+    pub(crate) joint_rows: usize,
     pub(crate) harmonics: Harmonics,
     pub(crate) structure: Structure,
     /// Ascending; beyond the one of N there may be another for estimates.
@@ -107,7 +113,7 @@ pub struct Workspace {
     /// One a rung.
     pub(crate) balance: Vec<BalanceBuffers>,
     pub(crate) newton: NewtonBuffers,
-    /// û, entry `[slot][i]` over active contacts.
+    /// û, entry `[slot][i]` over active rows.
     pub(crate) unknowns: Vec<c64>,
     /// A solution to fall back to.
     pub(crate) kept: Vec<c64>,
@@ -127,9 +133,9 @@ pub struct Workspace {
     pub(crate) sampling_error: Option<f64>,
     pub(crate) roots: Vec<Root>,
     pub(crate) held: Vec<bool>,
-    /// Holding forces in N, entry `[slot][contact]`.
+    /// Holding forces in N, entry `[slot][row]`.
     pub(crate) holding: Vec<c64>,
-    /// One harmonic's linear system over active contacts.
+    /// One harmonic's linear system over active rows.
     pub(crate) linear: Lu<c64>,
     pub(crate) linear_rhs: Mat<c64>,
     pub(crate) turning_points: TurningPoints,
@@ -194,8 +200,8 @@ impl Plan {
         }
         // Sparse matrices take what they have entries for.
         check_size(problem, 0, settings)?;
-        let contacts: Vec<_> = problem.contacts.iter().map(|c| (c.first, c.second)).collect();
-        let matrices = Matrices::Sparse(SparseMatrices::new(model, &contacts)?);
+        let rows = Rows::new(&problem.contacts, &problem.joints);
+        let matrices = Matrices::Sparse(SparseMatrices::new(model, &rows)?);
         Ok(Self::make(problem, matrices, base_loads, settings))
     }
 
@@ -206,15 +212,16 @@ impl Plan {
         base_loads: &[Vec<f64>],
         settings: &Settings,
     ) -> Self {
-        let contacts = problem.contacts.clone();
+        let (contacts, joints) = (problem.contacts.clone(), problem.joints.clone());
         let nature = |c: &Contact| c.law.nature();
-        let mean_is_free = contacts.iter().all(|c| !nature(c).determines_mean);
+        // A contact pressure depends on the mean, as a spring's force does.
+        let mean_is_free = joints.is_empty() && contacts.iter().all(|c| !nature(c).determines_mean);
         let estimating = settings.estimate || settings.truncation.is_some();
         let harmonics = Harmonics::new(problem, settings.harmonics, estimating, mean_is_free);
-        let linear = contacts.iter().all(|c| nature(c).linear);
+        let linear = joints.is_empty() && contacts.iter().all(|c| nature(c).linear);
         let static_load = problem.excitation.iter().any(|e| e.harmonic == 0 && e.amplitude != 0.0);
         let scalar_start = match contacts.as_slice() {
-            [only] => {
+            [only] if joints.is_empty() => {
                 only.law.describing_function().is_some()
                     && (!nature(only).determines_mean || !static_load)
                     && harmonics.reduced.contains(&1)
@@ -230,11 +237,13 @@ impl Plan {
             Some(_) => (if n < LONG { 8 } else { 4 }) * (n + 1),
             None => c.law.samples(n),
         };
+        let has_samples = sampled(&contacts, &joints, exact);
         let on_the_way = |n: usize| settings.truncation.is_none() && n < harmonics.asked;
         let rung = |n: usize, least: usize| {
-            let asked = contacts.iter().map(|c| needed(c, n)).max().unwrap_or(0);
+            let by_joints = joints.iter().map(|joint| joint.law.samples(n));
+            let asked = contacts.iter().map(|c| needed(c, n)).chain(by_joints).max().unwrap_or(0);
             // A rung on the way is left before its sampling error counts.
-            let asked = if on_the_way(n) && sampled(&contacts, exact) { asked / 4 } else { asked };
+            let asked = if on_the_way(n) && has_samples { asked / 4 } else { asked };
             let samples = settings.samples.unwrap_or(asked).max(4 * (n + 1)).max(least).next_power_of_two();
             Rung { order: n, slots: harmonics.up_to(n), transform: Transform::new(samples) }
         };
@@ -243,10 +252,9 @@ impl Plan {
         if estimating && harmonics.highest() > harmonics.asked {
             // Twice the samples as well: what an estimate compares with must err less in every respect.
             let least = rungs.last().map_or(0, |rung| 2 * rung.transform.samples());
-            rungs.push(rung(harmonics.highest(), if sampled(&contacts, exact) { least } else { 0 }));
+            rungs.push(rung(harmonics.highest(), if has_samples { least } else { 0 }));
         }
-        let carrying: std::collections::BTreeSet<usize> =
-            contacts.iter().flat_map(|c| [Some(c.first), c.second]).flatten().collect();
+        let carrying: std::collections::BTreeSet<usize> = Rows::new(&contacts, &joints).dofs().collect();
         Self {
             condensed_dofs: matrices.dofs() - carrying.len(),
             structure: Structure::new(problem, matrices, base_loads, &harmonics),
@@ -258,7 +266,9 @@ impl Plan {
             exact,
             scalar,
             scalar_start,
+            joint_rows: joints.iter().map(|joint| joint.directions.len()).sum(),
             contacts,
+            joints,
         }
     }
 
@@ -273,10 +283,10 @@ impl Plan {
         let iterated = !self.scalar && !self.linear;
         let by_events = |c: &&Contact| iterated && self.exact && c.law.piecewise_linear().is_some();
         let event_exact = self.contacts.iter().filter(by_events).count();
-        let sampled = iterated && event_exact < self.contacts.len();
-        let bounded = self.contacts.iter().all(|c| c.law.stiffest().is_some());
+        let sampled = iterated && (event_exact < self.contacts.len() || !self.joints.is_empty());
+        let bounded = self.joints.is_empty() && self.contacts.iter().all(|c| c.law.stiffest().is_some());
         let last = self.rungs.get(self.top);
-        let unknowns = self.balance(self.top).size(self.contacts.len(), self.slots());
+        let unknowns = self.balance(self.top).size(self.rows(), self.slots());
         PlanFacts {
             fundamental: self.harmonics.fundamental,
             odd: self.harmonics.odd,
@@ -285,6 +295,7 @@ impl Plan {
             linear: self.linear,
             samples: if sampled { last.map_or(0, |rung| rung.transform.samples()) } else { 0 },
             event_exact,
+            joints: self.joints.len(),
             sampled_on_request: !self.exact,
             ladder: self
                 .rungs
@@ -302,8 +313,18 @@ impl Plan {
             condensed_dofs: self.condensed_dofs,
             receptances: self.structure.receptances(),
             unknowns,
-            krylov: iterated && self.settings.krylov(unknowns, self.contacts.len()),
+            krylov: iterated && self.settings.krylov(unknowns, self.rows()),
         }
+    }
+
+    /// Number of rows: contacts, then the directions of all joints.
+    pub(crate) fn rows(&self) -> usize {
+        self.contacts.len() + self.joint_rows
+    }
+
+    /// What acts in the rows.
+    pub(crate) fn laws(&self) -> (&[Contact], &[Joint]) {
+        (&self.contacts, &self.joints)
     }
 
     /// Number of harmonics that a solution may have.
@@ -321,7 +342,7 @@ impl Plan {
 
     /// Whether some contact force is evaluated at samples.
     pub(crate) fn has_samples(&self) -> bool {
-        sampled(&self.contacts, self.exact)
+        sampled(&self.contacts, &self.joints, self.exact)
     }
 
     /// The slot of the base frequency itself.
@@ -332,6 +353,8 @@ impl Plan {
     pub(crate) fn balance(&self, rung: usize) -> Balance<'_> {
         Balance {
             contacts: &self.contacts,
+            joints: &self.joints,
+            joint_rows: self.joint_rows,
             orders: &self.harmonics.reduced,
             odd: self.harmonics.odd,
             transform: &self.rungs[rung].transform,
@@ -350,14 +373,14 @@ impl Plan {
 
     /// Buffers for one thread.
     pub fn workspace(&self) -> Workspace {
-        let (contacts, slots) = (self.contacts.len(), self.harmonics.reduced.len());
-        let entries = contacts * slots;
+        let (rows, slots) = (self.rows(), self.harmonics.reduced.len());
+        let entries = rows * slots;
         let buffers = (0..self.rungs.len()).map(|rung| self.balance(rung).buffers()).collect();
         Workspace {
             goal: self.top,
             ready: 0,
             condensed: self.structure.condensed(),
-            point: Point::new(contacts, slots),
+            point: Point::new(rows, slots),
             balance: buffers,
             newton: NewtonBuffers::new(entries),
             unknowns: vec![c64::ZERO; entries],
@@ -371,10 +394,10 @@ impl Plan {
             truncation_error: None,
             sampling_error: None,
             roots: Vec::with_capacity(8),
-            held: vec![false; contacts],
+            held: vec![false; self.contacts.len()],
             holding: vec![c64::ZERO; entries],
-            linear: Lu::new(contacts, 1),
-            linear_rhs: Mat::zeros(contacts, 1),
+            linear: Lu::new(rows, 1),
+            linear_rhs: Mat::zeros(rows, 1),
             turning_points: TurningPoints::default(),
             stats: Stats::default(),
         }
@@ -382,8 +405,8 @@ impl Plan {
 }
 
 /// Whether some contact force is evaluated at samples.
-fn sampled(contacts: &[Contact], exact: bool) -> bool {
-    contacts.iter().any(|c| !exact || c.law.piecewise_linear().is_none())
+fn sampled(contacts: &[Contact], joints: &[Joint], exact: bool) -> bool {
+    !joints.is_empty() || contacts.iter().any(|c| !exact || c.law.piecewise_linear().is_none())
 }
 
 /// Rungs in multiples of the base frequency: 1, 3, 7, 15, … below the highest, from the highest excited one on.
@@ -399,31 +422,36 @@ const MOST_BYTES: f64 = 4e9;
 
 /// Refuses what would not fit into memory before anything is allocated.
 fn check_size<M>(problem: &Problem<M>, dofs: usize, settings: &Settings) -> Result<(), PlanError> {
-    let (contacts, dofs) = (problem.contacts.len() as f64, dofs as f64);
+    let directions: usize = problem.joints.iter().map(|joint| joint.directions.len()).sum();
+    let count = problem.contacts.len() + directions;
+    let (rows, dofs) = (count as f64, dofs as f64);
     // Sized as if no harmonic could be left out or slaved.
     let harmonics = settings.harmonics as f64;
-    let unknowns = 2.0 * (harmonics + 1.0) * contacts;
+    let unknowns = 2.0 * (harmonics + 1.0) * rows;
     let outputs = problem.output.len() as f64;
-    let derivative = if settings.krylov(unknowns as usize, problem.contacts.len()) {
-        // The preconditioner, one block a contact, and the basis.
-        16.0 * (harmonics + 1.0) * contacts * (contacts + 2.0 * (harmonics + 1.0)) + 512.0 * unknowns
+    let derivative = if settings.krylov(unknowns as usize, count) {
+        // The preconditioner, one block a contact and up to three a row of a joint, and the basis.
+        let blocks = (problem.contacts.len() + MOST_DIRECTIONS * directions) as f64;
+        let orders = harmonics + 1.0;
+        16.0 * orders * (rows * rows + 2.0 * orders * blocks) + 512.0 * unknowns
     } else {
         8.0 * unknowns * unknowns
     };
-    let bytes = derivative
-        + 16.0 * 2.0 * harmonics * contacts * (contacts + outputs)
-        + 16.0 * dofs * (dofs + contacts);
+    let bytes = derivative + 16.0 * 2.0 * harmonics * rows * (rows + outputs) + 16.0 * dofs * (dofs + rows);
     if bytes > MOST_BYTES && unknowns > SAFE_UNKNOWNS {
         let problem = format!(
             "{} harmonics at {} contacts would take {:.0} GB of memory a thread; ask for fewer",
             settings.harmonics,
-            problem.contacts.len(),
+            problem.contacts.len() + problem.joints.len(),
             bytes / 1e9
         );
         return Err(PlanError { place: "harmonics".into(), problem });
     }
     Ok(())
 }
+
+/// Two tangential directions and the normal one.
+const MOST_DIRECTIONS: usize = 3;
 
 /// So many real unknowns always fit.
 const SAFE_UNKNOWNS: f64 = 16_384.0;
@@ -471,11 +499,46 @@ fn check<M>(
             return error(format!("contacts[{i}].scale"), format!("must be positive, got {}", contact.scale));
         }
     }
-    if let Some(joint) = problem.joints.first() {
-        return error("joints".into(), format!("{}: joints are not part of the balance yet", joint.name));
+    for (i, joint) in problem.joints.iter().enumerate() {
+        check_joint(&format!("joints[{i}]"), joint, n)?;
     }
     match problem.output.iter().find(|dof| **dof >= n) {
         Some(dof) => error("output".into(), format!("dof {dof} does not exist; the model has {n}")),
         None => Ok(()),
     }
+}
+
+fn check_joint(place: &str, joint: &Joint, n: usize) -> Result<(), PlanError> {
+    let error = |of: &str, problem: String| Err(PlanError { place: format!("{place}{of}"), problem });
+    let wanted = joint.law.directions();
+    if joint.directions.len() != wanted || !(1..=MOST_DIRECTIONS).contains(&wanted) {
+        let given = joint.directions.len();
+        return error(".directions", format!("the law has {wanted} directions, got {given}"));
+    }
+    for (d, direction) in joint.directions.iter().enumerate() {
+        let place = format!(".directions[{d}]");
+        let parts = &direction.parts;
+        if let Some((dof, _)) = parts.iter().find(|(dof, _)| *dof >= n) {
+            return error(&place, format!("dof {dof} does not exist; the model has {n} dofs"));
+        }
+        if parts.iter().any(|(_, coefficient)| !coefficient.is_finite()) {
+            return error(&place, "coefficients must be finite".into());
+        }
+        if parts.iter().all(|(_, coefficient)| *coefficient == 0.0) {
+            return error(&place, "moves with no dof".into());
+        }
+        let twice = |(i, part): (usize, &(usize, f64))| parts.iter().take(i).any(|before| before.0 == part.0);
+        if let Some((_, (dof, _))) = parts.iter().enumerate().find(|part| twice(*part)) {
+            return error(&place, format!("names dof {dof} twice"));
+        }
+        let (length, stiffness) = (joint.law.length(d), joint.law.stiffness(d));
+        if !(length > 0.0 && length.is_finite() && stiffness >= 0.0 && stiffness.is_finite()) {
+            let problem = format!("its law has no length ({length} m) or stiffness ({stiffness} N/m)");
+            return error(&place, problem);
+        }
+    }
+    if !(joint.scale.is_finite() && joint.scale > 0.0) {
+        return error(".scale", format!("must be positive, got {}", joint.scale));
+    }
+    Ok(())
 }

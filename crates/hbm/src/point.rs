@@ -17,14 +17,15 @@ use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
 
 use crate::condensation::Condensed;
 use crate::dense::{Entry, Lu};
-use crate::problem::Contact;
+use crate::problem::{Contact, Joint};
+use crate::rows::joint_rows;
 
-/// Dimensionless balance of the active contacts at one frequency; buffers are reused.
+/// Dimensionless balance of the active rows at one frequency; buffers are reused.
 #[derive(Debug)]
 pub(crate) struct Point {
-    /// Contacts in the iteration, ascending; the others are held at rest.
+    /// Rows in the iteration, ascending; the others are contacts held at rest. Those of joints are always active.
     pub(crate) active: Vec<usize>,
-    /// Ĝ, entry `[slot][i][l]` over active contacts.
+    /// Ĝ, entry `[slot][i][l]` over active rows.
     pub(crate) receptance: Vec<c64>,
     /// û⁰, entry `[slot][i]`.
     pub(crate) free: Vec<c64>,
@@ -32,15 +33,15 @@ pub(crate) struct Point {
     pub(crate) lent: Vec<c64>,
     /// 1/(1 + |Ĝ_ii|), entry `[slot][i]`.
     pub(crate) weight: Vec<f64>,
-    /// Unit of displacement in m, one an active contact.
+    /// Unit of displacement in m, one an active row.
     pub(crate) length: Vec<f64>,
-    /// Unit of force in N, one an active contact.
+    /// Unit of force in N, one an active row.
     pub(crate) force: Vec<f64>,
-    /// Dimensionless secant stiffness of every active contact, for homotopies that begin with a linear problem.
+    /// Dimensionless secant stiffness of every active row, for homotopies that begin with a linear problem.
     pub(crate) secant: Vec<c64>,
     /// From this slot on, all set so far contract under substitution.
     pub(crate) contracting: usize,
-    /// Largest dimensionless stiffness, one an active contact.
+    /// Largest dimensionless stiffness, one an active row; infinite for those of joints, whose directions push on each other.
     stiffest: Vec<f64>,
     /// Base angular frequency in rad/s.
     pub(crate) omega: f64,
@@ -120,30 +121,30 @@ impl Held {
 }
 
 impl Point {
-    pub(crate) fn new(contacts: usize, slots: usize) -> Self {
+    pub(crate) fn new(rows: usize, slots: usize) -> Self {
         Self {
-            active: Vec::with_capacity(contacts),
-            receptance: vec![c64::ZERO; slots * contacts * contacts],
-            free: vec![c64::ZERO; slots * contacts],
-            lent: vec![c64::ZERO; slots * contacts],
-            weight: vec![1.0; slots * contacts],
-            length: vec![1.0; contacts],
-            force: vec![1.0; contacts],
-            secant: vec![c64::ZERO; contacts],
+            active: Vec::with_capacity(rows),
+            receptance: vec![c64::ZERO; slots * rows * rows],
+            free: vec![c64::ZERO; slots * rows],
+            lent: vec![c64::ZERO; slots * rows],
+            weight: vec![1.0; slots * rows],
+            length: vec![1.0; rows],
+            force: vec![1.0; rows],
+            secant: vec![c64::ZERO; rows],
             contracting: 0,
-            stiffest: vec![f64::INFINITY; contacts],
+            stiffest: vec![f64::INFINITY; rows],
             omega: 0.0,
             held: Held {
-                contacts: Vec::with_capacity(contacts),
-                lu: Lu::new(contacts, contacts + 1),
-                rhs: Mat::zeros(contacts, contacts + 1),
-                receptance: Mat::zeros(contacts, contacts),
-                wanted: Mat::zeros(contacts, contacts + 1),
+                contacts: Vec::with_capacity(rows),
+                lu: Lu::new(rows, rows + 1),
+                rhs: Mat::zeros(rows, rows + 1),
+                receptance: Mat::zeros(rows, rows),
+                wanted: Mat::zeros(rows, rows + 1),
             },
         }
     }
 
-    /// Secant stiffness of active contact `row` at harmonic `order`; the mean sees its elastic part only.
+    /// Secant stiffness of active row `row` at harmonic `order`; the mean sees its elastic part only.
     pub(crate) fn secant_stiffness(&self, row: usize, order: usize) -> c64 {
         let stiffness = self.secant[row];
         if order == 0 { c64::from(stiffness.re) } else { stiffness }
@@ -159,15 +160,26 @@ impl Point {
         if resistance.is_finite() && resistance.norm_sqr() > 1.0 { resistance.inv() } else { c64::ONE }
     }
 
-    /// Number of active contacts.
+    /// Dimensionless stiffness of a row of `joint` where it sticks.
+    pub(crate) fn stuck(&self, joint: &Joint, direction: usize, row: usize) -> f64 {
+        joint.law.stiffness(direction) * joint.scale * self.length[row] / self.force[row]
+    }
+
+    /// Number of active rows.
     pub(crate) fn width(&self) -> usize {
         self.active.len()
     }
 
     /// The balance of `condensed`, with the contacts marked in `held` kept at zero displacement:
     /// `G' = G − G_fh G_hh⁻¹ G_hf`, `u⁰' = u⁰ − G_fh G_hh⁻¹ u⁰_h`.
-    pub(crate) fn set(&mut self, condensed: &Condensed, contacts: &[Contact], slots: usize, held: &[bool]) {
-        let all = condensed.contacts;
+    pub(crate) fn set(
+        &mut self,
+        condensed: &Condensed,
+        (contacts, joints): (&[Contact], &[Joint]),
+        slots: usize,
+        held: &[bool],
+    ) {
+        let all = condensed.rows;
         self.omega = condensed.omega;
         let is_held = |c: usize| held.get(c).copied().unwrap_or(false);
         self.active.clear();
@@ -177,7 +189,7 @@ impl Point {
         for slot in 0..slots {
             self.reduce(condensed, slot);
         }
-        self.choose_units(contacts, slots);
+        self.choose_units(contacts, joints, slots);
         self.contracting = 0;
         self.scale(0..slots);
     }
@@ -200,9 +212,9 @@ impl Point {
         self.scale(slots);
     }
 
-    /// Physical receptance and free response of the active contacts of one slot.
+    /// Physical receptance and free response of the active rows of one slot.
     fn reduce(&mut self, condensed: &Condensed, slot: usize) {
-        let (all, width) = (condensed.contacts, self.active.len());
+        let (all, width) = (condensed.rows, self.active.len());
         let held = self.held.contacts.len();
         let g = |i: usize, l: usize| condensed.receptance[(slot * all + i) * all + l];
         let free = |i: usize| condensed.free[slot * all + i];
@@ -231,9 +243,9 @@ impl Point {
     }
 
     /// Units of length and force.
-    fn choose_units(&mut self, contacts: &[Contact], slots: usize) {
+    fn choose_units(&mut self, contacts: &[Contact], joints: &[Joint], slots: usize) {
         let width = self.width();
-        for (row, &c) in self.active.iter().enumerate() {
+        for (row, &c) in self.active.iter().enumerate().take_while(|(_, c)| **c < contacts.len()) {
             let size: f64 = (0..slots).map(|s| self.free[s * width + row].magnitude()).fold(0.0, f64::max);
             let Contact { law, scale, .. } = &contacts[c];
             let length = law.length().unwrap_or(if size > 0.0 { size } else { 1.0 });
@@ -242,6 +254,16 @@ impl Point {
             self.force[row] = if force > 0.0 { force } else { 1.0 };
             let bound = law.stiffest().unwrap_or(f64::INFINITY);
             self.stiffest[row] = bound * scale * length / self.force[row];
+        }
+        let held = self.held.contacts.len();
+        for (joint, rows) in joint_rows(contacts.len() - held, joints) {
+            for (direction, row) in rows.enumerate() {
+                let length = joint.law.length(direction);
+                let force = joint.law.stiffness(direction) * length * joint.scale;
+                self.length[row] = length;
+                self.force[row] = if force > 0.0 { force } else { 1.0 };
+                self.stiffest[row] = f64::INFINITY;
+            }
         }
     }
 
@@ -300,7 +322,7 @@ impl Point {
     }
 
     /// Harmonic `slot` of the forces in N that keep the held contacts at rest, `G_hh⁻¹ (u⁰_h − G_hf F_f)`, given the
-    /// dimensionless forces and displacements `[slot][i]` of the active ones; one value a held contact, in order.
+    /// dimensionless forces and displacements `[slot][i]` of the active rows; one value a held contact, in order.
     pub(crate) fn holding_forces(
         &mut self,
         condensed: &Condensed,
@@ -309,7 +331,7 @@ impl Point {
         unknowns: &[c64],
         mut receive: impl FnMut(usize, c64),
     ) {
-        let (all, width) = (condensed.contacts, self.active.len());
+        let (all, width) = (condensed.rows, self.active.len());
         let g = |i: usize, l: usize| condensed.receptance[(slot * all + i) * all + l];
         for (r, &h) in self.held.contacts.iter().enumerate() {
             for (c, &other) in self.held.contacts.iter().enumerate() {

@@ -6,7 +6,8 @@ use num_complex::Complex64;
 
 use crate::dense::Entry;
 use crate::plan::{Plan, Workspace};
-use crate::solution::{ContactSolution, Solution, Status};
+use crate::rows::joint_rows;
+use crate::solution::{ContactSolution, DirectionSolution, JointSolution, Solution, Status};
 
 impl Plan {
     /// Writes the solution that the workspace holds.
@@ -24,12 +25,15 @@ impl Plan {
         for (c, contact) in solution.contacts.iter_mut().enumerate() {
             self.report_contact(c, slots, ws, contact);
         }
+        solution.joints.resize_with(self.joints.len(), JointSolution::default);
+        for (index, joint) in solution.joints.iter_mut().enumerate() {
+            self.report_joint(index, slots, ws, joint);
+        }
         self.report_outputs(slots, ws.condensed.outputs, ws, solution);
     }
 
     fn report_contact(&self, c: usize, slots: usize, ws: &mut Workspace, report: &mut ContactSolution) {
-        let all = self.contacts.len();
-        let last = ws.goal;
+        let all = self.rows();
         report.displacement.clear();
         report.force.clear();
         let Some(row) = ws.point.active.iter().position(|&active| active == c) else {
@@ -42,23 +46,57 @@ impl Plan {
             }
             return;
         };
-        let width = ws.point.width();
+        self.report_row((row, c), slots, ws, &mut report.displacement, &mut report.force);
+        report.dissipation = self.dissipation(&report.displacement, &report.force);
+        self.report_motion(c, report, ws);
+    }
+
+    /// Displacement and force of active row `row`, which is row `index` of all.
+    fn report_row(
+        &self,
+        (row, index): (usize, usize),
+        slots: usize,
+        ws: &mut Workspace,
+        displacements: &mut Vec<c64>,
+        forces: &mut Vec<c64>,
+    ) {
+        let (all, width) = (self.rows(), ws.point.width());
         let (length, unit) = (ws.point.length[row], ws.point.force[row]);
         for slot in 0..slots {
             let displacement = ws.unknowns[slot * width + row] * length;
-            report.displacement.push(displacement);
-            report.force.push(-ws.balance[last].forces[slot * width + row] * unit);
-            ws.previous[slot * all + c] = displacement;
+            displacements.push(displacement);
+            forces.push(-ws.balance[ws.goal].forces[slot * width + row] * unit);
+            ws.previous[slot * all + index] = displacement;
         }
-        // ∮ f dw over a base period is π Σ k Im(F_k conj W_k) in rig convention; a period of Ω has `fundamental` of them.
-        let work: f64 = (0..slots)
-            .map(|slot| {
-                let k = self.harmonics.reduced[slot] as f64;
-                -k * (report.force[slot] * report.displacement[slot].conj()).im
-            })
-            .sum();
-        report.dissipation = std::f64::consts::PI * work * self.harmonics.fundamental as f64;
-        self.report_motion(c, report, ws);
+    }
+
+    /// ∮ f dw in J over a period of Ω, of the force on the first body. Over a base period it is π Σ k Im(F_k conj W_k) in rig
+    /// convention; a period of Ω has `fundamental` of them.
+    fn dissipation(&self, displacement: &[c64], force: &[c64]) -> f64 {
+        let terms = displacement.iter().zip(force).zip(&self.harmonics.reduced);
+        let work: f64 = terms.map(|((w, f), &k)| -(k as f64) * (f * w.conj()).im).sum();
+        std::f64::consts::PI * work * self.harmonics.fundamental as f64
+    }
+
+    fn report_joint(&self, index: usize, slots: usize, ws: &mut Workspace, report: &mut JointSolution) {
+        let Some((joint, rows)) = joint_rows(self.contacts.len(), &self.joints).nth(index) else { return };
+        // Contacts at rest are not among the active rows.
+        let resting = self.rows() - ws.point.width();
+        report.directions.resize_with(joint.directions.len(), DirectionSolution::default);
+        report.dissipation = 0.0;
+        for (direction, (report_in, row)) in report.directions.iter_mut().zip(rows).enumerate() {
+            let DirectionSolution { displacement, force, amplitude } = report_in;
+            displacement.clear();
+            force.clear();
+            self.report_row((row - resting, row), slots, ws, displacement, force);
+            report.dissipation += self.dissipation(displacement, force);
+            // A direction that does not move has no turning points and no amplitude.
+            let _ = ws.turning_points.find(&ws.balance[ws.goal].joints[index].motion_in(direction));
+            *amplitude = ws.turning_points.amplitude();
+        }
+        let marks = ws.balance[ws.goal].joints[index].marks;
+        (report.state, report.apart, report.cycles) = (marks.state, marks.apart, marks.cycles);
+        report.extrapolated = marks.extrapolated;
     }
 
     /// Amplitude, turning points and what the law noticed.
@@ -83,8 +121,9 @@ impl Plan {
     /// `W = W_free − R F` for every output dof. A dof that contacts tie to the ground is the sum of their relative
     /// displacements instead: where a contact nearly holds it, the difference would be all cancellation.
     fn report_outputs(&self, slots: usize, outputs: usize, ws: &Workspace, solution: &mut Solution) {
-        let all = self.contacts.len();
+        let all = self.rows();
         let contacts = &solution.contacts;
+        let directions = || solution.joints.iter().flat_map(|joint| &joint.directions);
         solution.displacement.resize_with(outputs, Vec::new);
         for (o, row) in solution.displacement.iter_mut().enumerate() {
             row.clear();
@@ -98,11 +137,10 @@ impl Plan {
                 let entry = slot * outputs + o;
                 let recovery = &ws.condensed.recovery[entry * all..(entry + 1) * all];
                 let lent = &ws.condensed.lent[slot * all..(slot + 1) * all];
-                let felt = |contact: &ContactSolution, lent: &c64| {
-                    contact.force[slot] + lent * contact.displacement[slot]
-                };
-                let moved: c64 =
-                    recovery.iter().zip(contacts).zip(lent).map(|((r, c), lent)| r * felt(c, lent)).sum();
+                let of_contacts = contacts.iter().map(|c| (c.force[slot], c.displacement[slot]));
+                let rows = of_contacts.chain(directions().map(|d| (d.force[slot], d.displacement[slot])));
+                let parts = recovery.iter().zip(rows).zip(lent);
+                let moved: c64 = parts.map(|((r, (force, w)), lent)| r * (force + lent * w)).sum();
                 ws.condensed.free_output[entry] + moved
             }));
         }

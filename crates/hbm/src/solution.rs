@@ -237,13 +237,25 @@ impl Solution {
     /// Whether every number is one: where rounding leaves nothing there is no solution.
     pub(crate) fn is_finite(&self) -> bool {
         let contacts = self.contacts.iter().flat_map(|c| c.displacement.iter().chain(&c.force));
-        self.displacement.iter().flatten().chain(contacts).all(|z| z.re.is_finite() && z.im.is_finite())
+        let directions = self.joints.iter().flat_map(|joint| &joint.directions);
+        let joints = directions.flat_map(|d| d.displacement.iter().chain(&d.force));
+        self.displacement
+            .iter()
+            .flatten()
+            .chain(contacts)
+            .chain(joints)
+            .all(|z| z.re.is_finite() && z.im.is_finite())
     }
 
-    /// Whether `other` is another motion of the contacts, beyond the error of the iteration.
+    /// Whether `other` is another motion of contacts and joints, beyond the error of the iteration.
     pub(crate) fn differs_from(&self, other: &Self) -> bool {
-        let pairs = || self.contacts.iter().zip(&other.contacts);
-        let entries = || pairs().flat_map(|(a, b)| a.displacement.iter().zip(&b.displacement));
+        let motions = |solution: &'_ Self| -> Vec<Complex64> {
+            let contacts = solution.contacts.iter().flat_map(|c| &c.displacement);
+            let joints = solution.joints.iter().flat_map(|j| &j.directions).flat_map(|d| &d.displacement);
+            contacts.chain(joints).copied().collect()
+        };
+        let (own, others) = (motions(self), motions(other));
+        let entries = || own.iter().zip(&others);
         let distance: f64 = entries().map(|(a, b)| (a - b).norm_sqr()).sum();
         let size: f64 = entries().map(|(a, b)| a.norm_sqr() + b.norm_sqr()).sum();
         distance > 1e-12 * size
@@ -259,6 +271,8 @@ pub struct Waveform {
     pub displacement: Vec<Vec<f64>>,
     /// One entry a contact.
     pub contacts: Vec<WaveformContact>,
+    /// One entry a joint.
+    pub joints: Vec<WaveformJoint>,
 }
 
 /// One contact over a period.
@@ -268,4 +282,13 @@ pub struct WaveformContact {
     pub displacement: Vec<f64>,
     /// Force on the first body in N, as the law gives it at every instant (not its truncated series).
     pub force: Vec<f64>,
+}
+
+/// One joint over a period; entries `[direction][instant]`, the normal direction last.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WaveformJoint {
+    /// Relative displacement in m.
+    pub displacement: Vec<Vec<f64>>,
+    /// Force on the first body in N, as the law gives it at every instant (not its truncated series).
+    pub force: Vec<Vec<f64>>,
 }

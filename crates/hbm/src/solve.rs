@@ -56,9 +56,9 @@ impl Plan {
             ws.has_previous = false;
             return solution.fail(FailureReason::SingularStructure { harmonic });
         }
-        ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
+        ws.point.set(&ws.condensed, self.laws(), ws.ready, &ws.held);
         let marching = self.settings.start == Start::March && ws.has_previous;
-        if ws.point.excitation_norm(ws.ready) == 0.0 {
+        if ws.point.excitation_norm(ws.ready) == 0.0 && self.joints_rest(ws) {
             self.at_rest_without_load(ws, solution);
         } else if marching && self.march(frequency, ws, solution) {
             // The previous point led here.
@@ -84,13 +84,35 @@ impl Plan {
         }
     }
 
+    /// Whether no joint pushes at its reference position, as one with an interference does. Leaves that evaluation behind.
+    fn joints_rest(&self, ws: &mut Workspace) -> bool {
+        if self.joints.is_empty() {
+            return true;
+        }
+        let (goal, first) = (ws.goal, ws.point.width() - self.joint_rows);
+        ws.unknowns.fill(c64::ZERO);
+        let Workspace { point, unknowns, balance, .. } = ws;
+        let evaluated = self.balance(goal).evaluate(
+            point,
+            self.rungs[goal].slots,
+            Homotopy::NONE,
+            unknowns,
+            &mut balance[goal],
+        );
+        let width = point.width();
+        let mut forces = balance[goal].forces.iter().enumerate();
+        evaluated.is_ok() && forces.all(|(entry, force)| entry % width < first || *force == c64::ZERO)
+    }
+
     /// Nothing moves the contacts.
     fn at_rest_without_load(&self, ws: &mut Workspace, solution: &mut Solution) {
         ws.unknowns.fill(c64::ZERO);
+        // Nor do joints push: they are evaluated already.
+        ws.balance[ws.goal].forces.fill(c64::ZERO);
         for held in &mut ws.held {
             *held = true;
         }
-        ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
+        ws.point.set(&ws.condensed, self.laws(), ws.ready, &ws.held);
         self.holding_forces(ws);
         self.exactly(ws);
         self.report(Status::Converged, 0.0, ws, solution);
@@ -217,7 +239,7 @@ impl Plan {
             if let Some(root) = largest {
                 // The workspace is left with what is reported.
                 ws.held.fill(false);
-                ws.point.set(&ws.condensed, &self.contacts, ws.ready, &ws.held);
+                ws.point.set(&ws.condensed, self.laws(), ws.ready, &ws.held);
                 self.place_root(&root, ws);
             }
             reported |= held;
@@ -248,6 +270,10 @@ impl Plan {
                 self.climb(0, ws)
             }
         };
+        if !outcome.converged && !self.joints.is_empty() {
+            self.open_start(ws);
+            outcome = self.climb(0, ws);
+        }
         if !outcome.converged
             && let Some(goal) = self.second_goal(ws)
             && self.reach(self.rungs[goal].slots, solution.frequency, ws).is_ok()

@@ -9,8 +9,9 @@ use structure::{SparseDamping, SparseModel};
 
 use crate::error::PlanError;
 use crate::matrices::{Additions, balance};
+use crate::rows::Rows;
 
-/// M, D and C on the union of their patterns, with all places where contacts may add springs.
+/// M, D and C on the union of their patterns, with all places where rows may add springs.
 #[derive(Debug)]
 pub(crate) struct SparseMatrices {
     columns: Vec<usize>,
@@ -60,7 +61,7 @@ impl SparseMatrices {
     ///
     /// # Errors
     /// A matrix of another size or with an entry that is no number; modal damping, which needs modes.
-    pub(crate) fn new(model: &SparseModel, contacts: &[(usize, Option<usize>)]) -> Result<Self, PlanError> {
+    pub(crate) fn new(model: &SparseModel, springs: &Rows) -> Result<Self, PlanError> {
         let n = model.mass.nrows();
         check("mass", &model.mass, n)?;
         check("stiffness", &model.stiffness, n)?;
@@ -77,10 +78,9 @@ impl SparseMatrices {
             }
         };
         let mut beside: Vec<Vec<usize>> = vec![Vec::new(); n];
-        for &(first, second) in contacts {
-            if let Some(second) = second {
-                beside[second].push(first);
-                beside[first].push(second);
+        for parts in springs.iter() {
+            for &(dof, _) in parts {
+                beside[dof].extend(parts.iter().map(|&(other, _)| other).filter(|other| *other != dof));
             }
         }
         let (mut columns, mut rows) = (vec![0], Vec::new());
@@ -164,17 +164,13 @@ impl SparseMatrices {
                 }
             }
         }
-        for (&(first, second), &spring) in additions.contacts.iter().zip(additions.springs) {
-            let mut add = |row: usize, column: usize, sign: f64| {
-                if let Some(place) = self.place(row, column) {
-                    into.values[place] += spring * (sign * scale[row] * scale[column]);
+        for (parts, &spring) in additions.lent() {
+            for &(row, by_row) in parts {
+                for &(column, by_column) in parts {
+                    if let Some(place) = self.place(row, column) {
+                        into.values[place] += spring * (by_row * by_column * scale[row] * scale[column]);
+                    }
                 }
-            };
-            add(first, first, 1.0);
-            if let Some(second) = second {
-                add(second, second, 1.0);
-                add(first, second, -1.0);
-                add(second, first, -1.0);
             }
         }
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.columns, None, &self.rows);

@@ -3,15 +3,16 @@
 use std::sync::Arc;
 
 use contact::{
-    Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law,
-    MagnitudeLaw, PhaseLaw, ScaledLoop, Symmetry,
+    Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters,
+    JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace, Law, LawError, MagnitudeLaw, PhaseLaw,
+    ScaledLoop, Symmetry,
 };
 use faer::{Mat, c64, mat};
 use hysteresis::Loop;
 use num_complex::Complex64;
 
 use crate::balance::Homotopy;
-use crate::{Contact, Damping, Excitation, ExcitationKind, Model, Plan, Problem, Settings};
+use crate::{Contact, Damping, Direction, Excitation, ExcitationKind, Joint, Model, Plan, Problem, Settings};
 
 /// A loop with even harmonics, so that the mean and even harmonics are unknowns too.
 fn uneven_law() -> Arc<dyn Law> {
@@ -57,20 +58,119 @@ fn problem() -> Problem {
     }
 }
 
+/// A spring that bulges: f_t = c w n, f_n = k n + c w²/2, in N with displacements in units of `LENGTH`.
+#[derive(Debug)]
+struct Bulging;
+
+const LENGTH: f64 = 2e-6;
+
+#[derive(Debug)]
+struct Nothing;
+
+impl JointWorkspace for Nothing {
+    fn as_any_mut(&mut self) -> &mut dyn std::any::Any {
+        self
+    }
+}
+
+impl JointLaw for Bulging {
+    fn name(&self) -> &'static str {
+        "bulging"
+    }
+
+    fn directions(&self) -> usize {
+        2
+    }
+
+    fn length(&self, direction: usize) -> f64 {
+        [LENGTH, 2.0 * LENGTH][direction]
+    }
+
+    fn stiffness(&self, direction: usize) -> f64 {
+        [3.0 / LENGTH, 4.0 / LENGTH][direction]
+    }
+
+    fn workspace(&self, _samples: usize) -> Box<dyn JointWorkspace> {
+        Box::new(Nothing)
+    }
+
+    fn force(
+        &self,
+        motion: &JointMotion,
+        _workspace: &mut dyn JointWorkspace,
+        force: &mut [f64],
+    ) -> Result<JointMarks, LawError> {
+        let (tangential, normal) = force.split_at_mut(motion.samples());
+        let motions = motion.displacement_of(0).iter().zip(motion.displacement_of(1));
+        for ((t, n), (w, d)) in tangential.iter_mut().zip(normal).zip(motions) {
+            let (w, d) = (w / LENGTH, d / LENGTH);
+            (*t, *n) = (3.0 * w * d, 4.0 * d + 1.5 * w * w);
+        }
+        Ok(JointMarks::default())
+    }
+
+    fn derivative(
+        &self,
+        motion: &JointMotion,
+        change: &JointChange,
+        _workspace: &mut dyn JointWorkspace,
+        derivative: &mut [f64],
+    ) {
+        let (tangential, normal) = derivative.split_at_mut(motion.samples());
+        let motions = motion.displacement_of(0).iter().zip(motion.displacement_of(1));
+        for (((t, n), (w, d)), delta) in
+            tangential.iter_mut().zip(normal).zip(motions).zip(change.displacement)
+        {
+            let (w, d, delta) = (w / LENGTH, d / LENGTH, delta / LENGTH);
+            (*t, *n) = match change.direction {
+                0 => (3.0 * d * delta, 3.0 * w * delta),
+                _ => (3.0 * w * delta, 4.0 * delta),
+            };
+        }
+    }
+}
+
+/// The same with two joints along slanting axes beside the contacts.
+fn joined() -> Problem {
+    let joint = |turn: f64, scale: f64| Joint {
+        name: "j".into(),
+        directions: vec![
+            Direction { parts: vec![(0, turn.cos()), (1, turn.sin()), (2, -0.5)] },
+            Direction { parts: vec![(0, -turn.sin()), (1, turn.cos()), (2, 0.2)] },
+        ],
+        law: Arc::new(Bulging),
+        scale,
+    };
+    Problem { joints: vec![joint(0.4, 1.0), joint(1.9, 0.3)], ..problem() }
+}
+
 #[test]
 fn the_jacobian_agrees_with_central_differences() {
-    let plan = Plan::new(&problem(), &Settings::new(4)).unwrap();
+    check_jacobian(&problem());
+}
+
+#[test]
+fn the_jacobian_with_joints_agrees_with_central_differences() {
+    check_jacobian(&joined());
+}
+
+fn check_jacobian(problem: &Problem) {
+    let plan = Plan::new(problem, &Settings::new(4)).unwrap();
     let mut ws = plan.workspace();
     plan.structure.condense(70.0, 0..plan.slots(), &mut ws.condensed).unwrap();
     let slots = plan.slots();
-    ws.point.set(&ws.condensed, &plan.contacts, slots, &[false; 4]);
+    ws.point.set(&ws.condensed, plan.laws(), slots, &[false; 4]);
     let rung = plan.rungs.len() - 1;
     let balance = plan.balance(rung);
     let buffers = &mut ws.balance[rung];
     let width = ws.point.width();
     let size = balance.size(width, slots);
-    assert_eq!((slots, size), (5, 2 * 4 * 5 - 4));
-    ws.point.secant.copy_from_slice(&[c64::new(0.7, 0.2), c64::new(1.3, 0.0), c64::new(0.2, 0.9), c64::ZERO]);
+    let rows = 4 + 2 * problem.joints.len();
+    assert_eq!((slots, size), (5, 2 * rows * 5 - rows));
+    let secants = [c64::new(0.7, 0.2), c64::new(1.3, 0.0), c64::new(0.2, 0.9), c64::ZERO];
+    for (row, secant) in ws.point.secant.iter_mut().enumerate() {
+        *secant = secants[row % 4];
+    }
     for homotopy in [Homotopy::NONE, Homotopy { contact: 0.3, excitation: 2.0, secant: 0.4, stretch: 0.7 }] {
         // A motion that slips, with reversals; the mean is real.
         let mut unknowns: Vec<c64> = (0..slots * width)

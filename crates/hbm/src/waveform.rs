@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use contact::{ContactState, LawError, Motion};
+use contact::{ContactState, JointMotion, LawError, Motion};
 use num_complex::Complex64;
 
 use crate::plan::Plan;
-use crate::solution::{ContactSolution, Solution, Waveform, WaveformContact};
+use crate::solution::{ContactSolution, JointSolution, Solution, Waveform, WaveformContact, WaveformJoint};
 use crate::transform::Transform;
 
 impl Plan {
@@ -35,7 +35,42 @@ impl Plan {
                     },
                 })
                 .collect(),
+            joints: (self.joints.iter().zip(&solution.joints))
+                .map(|(joint, report)| self.joint_waveform(&transform, repeats, joint, report))
+                .collect(),
         })
+    }
+
+    /// Displacements and the law's own forces; the series of the forces where the law has none at these instants.
+    fn joint_waveform(
+        &self,
+        transform: &Transform,
+        repeats: usize,
+        joint: &crate::Joint,
+        report: &JointSolution,
+    ) -> WaveformJoint {
+        let samples = transform.samples();
+        let rows = || report.directions.iter().map(|direction| &direction.displacement);
+        let in_time =
+            |order: i32| -> Vec<f64> { rows().flat_map(|row| self.sampled(transform, row, order)).collect() };
+        let motion = JointMotion {
+            directions: report.directions.len(),
+            spectrum: &rows().flat_map(|row| self.dense(row, 0)).collect::<Vec<_>>(),
+            displacement: &in_time(0),
+            velocity: &in_time(1),
+        };
+        let mut force = vec![0.0; motion.displacement.len()];
+        let mut workspace = joint.law.workspace(samples);
+        match joint.law.force(&motion, &mut *workspace, &mut force) {
+            Ok(_) => force.iter_mut().for_each(|f| *f *= -joint.scale),
+            Err(_) => {
+                let series = report.directions.iter().flat_map(|d| self.sampled(transform, &d.force, 0));
+                force = series.collect();
+            }
+        }
+        let repeated =
+            |signal: &[f64]| signal.chunks_exact(samples).map(|row| repeat(row, repeats)).collect();
+        WaveformJoint { displacement: repeated(motion.displacement), force: repeated(&force) }
     }
 
     /// Harmonics of the base frequency 0..=n from the plan's slots, differentiated `order` times.

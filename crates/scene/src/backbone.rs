@@ -173,7 +173,7 @@ impl Scene {
     }
 
     /// The first dof that is excited, else the first that is recovered.
-    fn usual_reference(&self) -> String {
+    pub(crate) fn usual_reference(&self) -> String {
         let known = self.dofs();
         let excited = self.excited().next().and_then(|dof| known.get(dof).cloned());
         excited.or_else(|| self.output().first().map(|dof| (*dof).to_owned())).unwrap_or_default()
@@ -183,7 +183,9 @@ impl Scene {
 /// The amplitudes over which a mode is followed.
 fn range(problem: &hbm::Problem, given: (Option<f64>, Option<f64>)) -> Result<(f64, f64), SceneError> {
     let lengths = problem.contacts.iter().filter_map(|contact| contact.law.length());
-    let largest = lengths.reduce(f64::max);
+    // Of joints those of the tangential directions: where friction begins to slip.
+    let tangential = |joint: &hbm::Joint| joint.law.length(0);
+    let largest = lengths.chain(problem.joints.iter().map(tangential)).filter(|l| *l > 0.0).reduce(f64::max);
     let from = given.0.or_else(|| Some(RANGE.0 * largest?));
     let to = given.1.or_else(|| Some(RANGE.1 * largest?));
     match (from, to) {

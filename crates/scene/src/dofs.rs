@@ -172,6 +172,20 @@ impl Dofs {
         }
     }
 
+    /// The directions in the names of a node's dofs, held ones included, in the order of the model.
+    pub(crate) fn directions_of(&self, node: &str) -> Vec<&str> {
+        let parts = self.all().iter().filter_map(|name| name.rsplit_once(':'));
+        parts.filter(|(own, _)| *own == node).map(|(_, direction)| direction).collect()
+    }
+
+    /// Number of a dof; `None` where it is held.
+    pub(crate) fn place(&self, name: &str) -> Result<Option<usize>, String> {
+        match self.0.places.get(name).and_then(|place| self.0.numbers.get(*place)) {
+            Some(number) => Ok(*number),
+            None => Err(self.unknown(name)),
+        }
+    }
+
     /// Number of the dof that `node` names.
     pub(crate) fn index(&self, node: &Node) -> Result<usize, SceneError> {
         self.find(node.text("the name of a dof")?).map_err(|problem| node.error(problem))

@@ -29,11 +29,12 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     let n = settings.harmonics;
     let mut steps = vec![
         period(&facts),
-        even_harmonics(&facts),
+        even_harmonics(&facts, scene.contacts.joints.len()),
         reduction(prepared),
         condensation(&facts, scene.output().len()),
         transforms(&facts),
         events(&facts),
+        several_directions(prepared, &facts),
     ];
     steps.extend(iteration(&facts, settings.jacobian));
     steps.extend(start(&facts, settings.start, n));
@@ -128,10 +129,12 @@ fn period(facts: &PlanFacts) -> Step {
     }
 }
 
-fn even_harmonics(facts: &PlanFacts) -> Step {
+fn even_harmonics(facts: &PlanFacts, joints: usize) -> Step {
     let what = "even harmonics and the mean";
     if facts.odd {
         step(what, false, "all laws and the excitation are odd, so they are zero")
+    } else if joints > 0 {
+        step(what, true, "a contact presses but does not pull, so its force has a mean and even harmonics")
     } else {
         step(what, true, "a law or the excitation is not odd")
     }
@@ -243,6 +246,28 @@ fn events(facts: &PlanFacts) -> Step {
             format!("{count} contacts have piecewise linear laws: exact integrals between events"),
         ),
     }
+}
+
+fn several_directions(prepared: &Prepared, facts: &PlanFacts) -> Step {
+    let what = "contacts in several directions";
+    let joints = &prepared.scene.contacts.joints;
+    let of = |directions: usize| joints.iter().filter(|joint| joint.directions.len() == directions).count();
+    let (line, plane) = (of(2), of(3));
+    let which = match (line, plane) {
+        (0, 0) => return step(what, false, "every law acts in one direction"),
+        (count, 0) => format!("{count} with one tangential direction"),
+        (0, count) => format!("{count} with two tangential directions"),
+        (line, plane) => format!("{line} with one tangential direction, {plane} with two"),
+    };
+    step(
+        what,
+        true,
+        format!(
+            "{which}, under a normal load that the motion changes; their forces are followed over {} instants of a period \
+             until they repeat",
+            facts.samples
+        ),
+    )
 }
 
 fn iteration(facts: &PlanFacts, jacobian: Jacobian) -> Vec<Step> {

@@ -12,27 +12,29 @@ use crate::json::below;
 use crate::loops::{self, MeasuredLoop};
 use crate::read::{Node, Object, suggestion};
 use crate::records::Records;
-use crate::{iwan, loop_family};
+use crate::{iwan, joint_law, loop_family};
 
-/// Laws that exist.
-pub(crate) const LAWS: [&str; 7] =
-    ["scaled_loop", "loop_family", "elastic_coulomb", "iwan", "coulomb", "cubic", "linear"];
+/// Laws that exist in one direction.
+pub(crate) const LAWS: [&str; 8] =
+    ["scaled_loop", "loop_family", "elastic_coulomb", "iwan", "coulomb", "cubic", "linear", "gap"];
 
-pub(crate) const SCALED_LOOP_KEYS: [&str; 5] = ["type", "loop", "magnitude", "phase", "symmetric"];
+pub(crate) const SCALED_LOOP_KEYS: [&str; 6] =
+    ["type", "loop", "magnitude", "phase", "symmetric", "normal_load"];
 pub(crate) const ELASTIC_COULOMB_KEYS: [&str; 3] = ["type", "stiffness", "slip_force"];
 pub(crate) const COULOMB_KEYS: [&str; 3] = ["type", "slip_force", "velocity"];
 pub(crate) const SPRING_KEYS: [&str; 2] = ["type", "stiffness"];
+pub(crate) const GAP_KEYS: [&str; 3] = ["type", "stiffness", "gap"];
 pub(crate) const MAGNITUDE_KEYS: [&str; 3] = ["offset", "slope", "shift"];
 pub(crate) const PHASE_KEYS: [&str; 3] = ["limit", "span", "decay"];
 
 /// A law and what a user should know about it.
-pub(crate) struct ReadLaw {
-    pub(crate) law: Arc<dyn Law>,
+pub(crate) struct ReadLaw<L: ?Sized> {
+    pub(crate) law: Arc<L>,
     pub(crate) notes: Vec<String>,
 }
 
-/// Reads a contact's `law`.
-pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw, SceneError> {
+/// The `type` of a law, one of those that exist.
+pub(crate) fn kind<'a>(node: &Node<'a>) -> Result<(Node<'a>, &'a str), SceneError> {
     let Some(kind) = node.peek("type") else {
         // Says that it is no object, or that the type is missing.
         let any = [
@@ -40,18 +42,33 @@ pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw, SceneError
             &ELASTIC_COULOMB_KEYS,
             &COULOMB_KEYS,
             &SPRING_KEYS,
+            &GAP_KEYS,
             &loop_family::KEYS,
             &iwan::KEYS,
+            &joint_law::FRICTION_CONTACT_KEYS,
         ]
         .concat();
         node.object("type and its parameters", &any)?;
-        let types = LAWS.map(|law| format!("{law:?}")).join(", ");
+        let types = every_law().map(|law| format!("{law:?}")).collect::<Vec<_>>().join(", ");
         return Err(SceneError::entry(
             &below(node.path(), "type"),
             format!("is missing; write one of {types}"),
         ));
     };
     let name = kind.text("the name of a law")?;
+    if every_law().any(|law| law == name) {
+        return Ok((kind, name));
+    }
+    let every: Vec<&str> = every_law().collect();
+    let hint = suggestion(name, &every);
+    let known =
+        if hint.starts_with("known") { String::new() } else { format!(" Known are {}", every.join(", ")) };
+    Err(kind.error(format!("there is no law {name:?}; {hint}{known}")))
+}
+
+/// Reads the `law` of a contact in one direction.
+pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw<dyn Law>, SceneError> {
+    let (kind, name) = kind(node)?;
     let law: Arc<dyn Law> = match name {
         "scaled_loop" => return scaled_loop(&node.object("a scaled loop", &SCALED_LOOP_KEYS)?, records),
         "loop_family" => return loop_family::read(node, records),
@@ -82,15 +99,14 @@ pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw, SceneError
                 Linear::new(LinearParameters { stiffness }).map_err(|error| refused(node.path(), error))?,
             )
         }
-        _ => {
-            let hint = suggestion(name, &LAWS);
-            let known = if hint.starts_with("known") {
-                String::new()
-            } else {
-                format!(" Known are {}", LAWS.join(", "))
-            };
-            return Err(kind.error(format!("there is no law {name:?}; {hint}{known}")));
+        "gap" => {
+            let law = node.object("a spring that presses and does not pull", &GAP_KEYS)?;
+            let _stiffness = law.need("stiffness", "1e7, in N/m")?.number()?;
+            let _gap = law.need("gap", "1e-6, in m")?.number()?;
+            return Err(kind.error("is not available yet"));
         }
+        // A law of the list in several directions.
+        _ => return Err(kind.error(format!("{name} acts in several directions"))),
     };
     Ok(ReadLaw { law, notes: Vec::new() })
 }
@@ -99,7 +115,20 @@ pub(crate) fn refused(path: &str, error: ParameterError) -> SceneError {
     SceneError::entry(&below(path, &error.key), error.problem)
 }
 
-fn scaled_loop(law: &Object, records: &Records) -> Result<ReadLaw, SceneError> {
+fn every_law() -> impl Iterator<Item = &'static str> {
+    LAWS.into_iter().chain(joint_law::LAWS)
+}
+
+fn scaled_loop(law: &Object, records: &Records) -> Result<ReadLaw<dyn Law>, SceneError> {
+    let (law, notes) = read_scaled_loop(law, records)?;
+    Ok(ReadLaw { law: Arc::new(law), notes })
+}
+
+/// The loop of a law `scaled_loop` and what a user should know about it.
+pub(crate) fn read_scaled_loop(
+    law: &Object,
+    records: &Records,
+) -> Result<(ScaledLoop, Vec<String>), SceneError> {
     let magnitude = law.get("magnitude").map_or(Ok(MagnitudeLaw::default()), |node| read_magnitude(&node))?;
     let phase = law.get("phase").map_or(Ok(PhaseLaw::default()), |node| read_phase(&node))?;
     let symmetry = read_symmetry(law)?;
@@ -107,14 +136,13 @@ fn scaled_loop(law: &Object, records: &Records) -> Result<ReadLaw, SceneError> {
     let form = "{\"file\": \"record.csv\"} or {\"displacement\": 8e-6, \"force\": 12.0}";
     match loops::read(&law.need("loop", form)?, records)? {
         MeasuredLoop::Ellipse { displacement, force } => {
-            let law = ScaledLoop::ellipse(displacement, force, magnitude, phase).map_err(place)?;
-            Ok(ReadLaw { law: Arc::new(law), notes: Vec::new() })
+            Ok((ScaledLoop::ellipse(displacement, force, magnitude, phase).map_err(place)?, Vec::new()))
         }
         MeasuredLoop::Series { hysteresis_loop, noise, mut notes } => {
             let scaled =
                 ScaledLoop::new(&hysteresis_loop, noise, magnitude, phase, symmetry).map_err(place)?;
             notes.extend(loops::notes(&hysteresis_loop, &scaled));
-            Ok(ReadLaw { law: Arc::new(scaled), notes })
+            Ok((scaled, notes))
         }
     }
 }

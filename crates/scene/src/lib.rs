@@ -19,6 +19,7 @@
 //! Every mistake in a scene is a [`SceneError`] with the path of the entry: `contacts[0].law.slip_force: must be
 //! positive, got -1`.
 
+mod axes;
 mod backbone;
 mod contacts;
 mod curve;
@@ -29,6 +30,8 @@ mod explain;
 mod frequencies;
 mod harmonics;
 mod iwan;
+mod joint_law;
+mod joints;
 mod json;
 mod law;
 mod layout;
@@ -39,6 +42,7 @@ mod matrix;
 mod model;
 mod notes;
 mod outcome;
+mod peak;
 mod pose;
 mod read;
 mod records;
@@ -62,7 +66,11 @@ pub use frequencies::{BadFrequencies, Frequencies};
 pub use harmonics::{BadHarmonics, Harmonics};
 pub use hbm::{ContinuationOptions, Origin, Problem, SweepOptions as RunOptions};
 pub use layout::write_json;
-pub use outcome::{ContactPoint, Named, Outcome, Point, Spectrum, Timing};
+pub use outcome::{
+    ContactOutcome, ContactPoint, DirectionPoint, JointPoint, Named, Outcome, Point, Spectrum, Timing,
+    direction_names,
+};
+pub use peak::{PeaksCurve, PeaksEffort, PeaksOptimum, PeaksOptions, PeaksOutcome, PeaksPeak, PeaksPoint};
 pub use reduction::ReductionFacts;
 pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Motion, Prepared, Solved};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use contact::LoopFamily;
+use contact::{Law, LoopFamily};
 
 use crate::error::SceneError;
 use crate::law::{ReadLaw, read_symmetry, refused};
@@ -13,7 +13,7 @@ use crate::records::Records;
 pub(crate) const KEYS: [&str; 3] = ["type", "loops", "symmetric"];
 
 /// Reads the law.
-pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw, SceneError> {
+pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw<dyn Law>, SceneError> {
     let law = node.object("a family of loops", &KEYS)?;
     let symmetry = read_symmetry(&law)?;
     let form = "[{\"file\": \"small.csv\"}, {\"file\": \"large.csv\"}]";

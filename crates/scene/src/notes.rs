@@ -2,6 +2,7 @@
 
 use hbm::Solution;
 
+use crate::contacts::Place;
 use crate::run::Prepared;
 use crate::scene::Scene;
 
@@ -35,15 +36,18 @@ pub(crate) fn all(prepared: &Prepared, solutions: &[Solution]) -> Vec<String> {
 
 /// Notes on contacts that leave what was measured, at places with a unit behind them.
 pub(crate) fn extrapolated(scene: &Scene, places: &[(f64, &Solution)], unit: &str) -> Vec<String> {
-    let note = |(i, name): (usize, &str)| {
-        let left = |solution: &Solution| solution.contacts.get(i).is_some_and(|contact| contact.extrapolated);
+    let note = |(name, place): (&str, &Place)| {
+        let left = |solution: &Solution| match *place {
+            Place::Contact(i) => solution.contacts.get(i).is_some_and(|contact| contact.extrapolated),
+            Place::Joint(i) => solution.joints.get(i).is_some_and(|joint| joint.extrapolated),
+        };
         let places = places.iter().filter(|(_, solution)| left(solution)).map(|(place, _)| *place).collect();
         let places = range(places, unit)?;
         Some(format!(
             "contact {name:?} moves further than its loop was measured at {places}; the law is extrapolated there"
         ))
     };
-    scene.contacts().enumerate().filter_map(note).collect()
+    scene.contacts().zip(&scene.contacts.order).filter_map(note).collect()
 }
 
 fn span<'a>(solutions: impl Iterator<Item = &'a Solution>) -> Option<String> {

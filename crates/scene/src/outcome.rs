@@ -3,11 +3,12 @@
 use std::io::{self, Write};
 
 use contact::ContactState;
-use hbm::{ContactSolution, Solution, Status};
+use hbm::{ContactSolution, DirectionSolution, JointSolution, Solution, Status};
 use num_complex::Complex64;
 use serde::ser::{SerializeMap, SerializeTuple};
 use serde::{Serialize, Serializer};
 
+use crate::contacts::Place;
 use crate::notes;
 use crate::reduction::ReductionFacts;
 use crate::run::Solved;
@@ -83,7 +84,7 @@ pub struct Point {
     pub displacement: Option<Named<Spectrum>>,
     /// What each contact does; not there when the point failed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub contacts: Option<Named<ContactPoint>>,
+    pub contacts: Option<Named<ContactOutcome>>,
     /// Whether it is stable; not there when that was not asked for or the point failed, null where it is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stability: Option<Option<PointStability>>,
@@ -99,7 +100,43 @@ impl Point {
     }
 }
 
-/// One contact at one frequency.
+/// One contact at one frequency: its law acts in one direction or in several.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ContactOutcome {
+    /// In one.
+    One(ContactPoint),
+    /// In several.
+    Several(JointPoint),
+}
+
+impl ContactOutcome {
+    /// What the contact does: `stick`, `slip`, `mixed`, `held` or `apart`.
+    pub fn state(&self) -> &'static str {
+        match self {
+            Self::One(contact) => contact.state,
+            Self::Several(joint) => joint.state,
+        }
+    }
+
+    /// In J per cycle.
+    pub fn dissipation(&self) -> f64 {
+        match self {
+            Self::One(contact) => contact.dissipation,
+            Self::Several(joint) => joint.dissipation,
+        }
+    }
+
+    /// The motion left the range in which the law was measured.
+    pub fn extrapolated(&self) -> bool {
+        match self {
+            Self::One(contact) => contact.extrapolated,
+            Self::Several(joint) => joint.extrapolated,
+        }
+    }
+}
+
+/// One contact in one direction at one frequency.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ContactPoint {
     /// Half the peak-to-peak relative displacement, in m.
@@ -114,6 +151,43 @@ pub struct ContactPoint {
     pub turning_points: usize,
     /// The amplitude left the range in which the law was measured.
     pub extrapolated: bool,
+}
+
+/// One contact in several directions at one frequency.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointPoint {
+    /// `stick`, `slip`, `mixed` or `apart`.
+    pub state: &'static str,
+    /// Part of the period during which the bodies are apart, 0 … 1.
+    pub apart: f64,
+    /// Periods of the motion until the state of the contact repeats itself.
+    pub cycles: usize,
+    /// Of all directions together, in J per cycle.
+    pub dissipation: f64,
+    /// The motion left the range in which the law was measured.
+    pub extrapolated: bool,
+    /// `tangential` or `tangential1` and `tangential2`, then `normal`.
+    pub directions: Named<DirectionPoint>,
+}
+
+/// One direction of a contact.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DirectionPoint {
+    /// Half the peak-to-peak relative displacement, in m.
+    pub amplitude: f64,
+    /// Relative displacement, in m; towards each other is positive in the normal direction.
+    pub displacement: Spectrum,
+    /// On the first body along the direction's axis, in N, beyond what a preload exerts.
+    pub force: Spectrum,
+}
+
+/// The names of `count` directions of a contact, the normal one last.
+pub fn direction_names(count: usize) -> &'static [&'static str] {
+    match count {
+        0 | 1 => &["normal"],
+        2 => &["tangential", "normal"],
+        _ => &["tangential1", "tangential2", "normal"],
+    }
 }
 
 /// Values under names, in a fixed order; an object in JSON.
@@ -215,7 +289,7 @@ const CSV_COLUMNS: [&str; 6] = ["frequency", "status", "dof", "harmonic", "re", 
 /// The names that turn a solution's rows and columns into a result.
 pub(crate) struct Names<'a> {
     dofs: Vec<&'a str>,
-    contacts: Vec<&'a str>,
+    contacts: Vec<(&'a str, Place)>,
     orders: &'a [usize],
     others: bool,
     stability: bool,
@@ -225,7 +299,7 @@ impl<'a> Names<'a> {
     pub(crate) fn of(scene: &'a Scene, orders: &'a [usize]) -> Self {
         Self {
             dofs: scene.output(),
-            contacts: scene.contacts().collect(),
+            contacts: scene.contacts().zip(scene.contacts.order.iter().copied()).collect(),
             orders,
             others: scene.settings.all_solutions,
             stability: scene.settings.stability,
@@ -239,8 +313,14 @@ impl<'a> Names<'a> {
             Named(rows.map(|(name, row)| ((*name).to_owned(), Spectrum::new(self.orders, row))).collect())
         };
         let contacts = || {
-            let rows = self.contacts.iter().zip(&solution.contacts);
-            Named(rows.map(|(name, contact)| ((*name).to_owned(), self.contact(contact))).collect())
+            let one = |(name, place): &(&str, Place)| {
+                let answer = match *place {
+                    Place::Contact(i) => ContactOutcome::One(self.contact(solution.contacts.get(i)?)),
+                    Place::Joint(i) => ContactOutcome::Several(self.joint(solution.joints.get(i)?)),
+                };
+                Some(((*name).to_owned(), answer))
+            };
+            Named(self.contacts.iter().filter_map(one).collect())
         };
         let (status, reason) = match &solution.status {
             Status::Converged => ("converged", None),
@@ -271,18 +351,39 @@ impl<'a> Names<'a> {
     fn contact(&self, contact: &ContactSolution) -> ContactPoint {
         ContactPoint {
             amplitude: contact.amplitude,
-            state: match contact.state {
-                ContactState::Stick => "stick",
-                ContactState::Slip => "slip",
-                ContactState::Mixed => "mixed",
-                ContactState::Held => "held",
-                ContactState::Apart => "apart",
-            },
+            state: state(contact.state),
             dissipation: contact.dissipation,
             force: Spectrum::new(self.orders, &contact.force),
             turning_points: contact.turning_points,
             extrapolated: contact.extrapolated,
         }
+    }
+
+    fn joint(&self, joint: &JointSolution) -> JointPoint {
+        let direction = |direction: &DirectionSolution| DirectionPoint {
+            amplitude: direction.amplitude,
+            displacement: Spectrum::new(self.orders, &direction.displacement),
+            force: Spectrum::new(self.orders, &direction.force),
+        };
+        let names = direction_names(joint.directions.len()).iter().map(|name| (*name).to_owned());
+        JointPoint {
+            state: state(joint.state),
+            apart: joint.apart,
+            cycles: joint.cycles,
+            dissipation: joint.dissipation,
+            extrapolated: joint.extrapolated,
+            directions: Named(names.zip(joint.directions.iter().map(direction)).collect()),
+        }
+    }
+}
+
+fn state(state: ContactState) -> &'static str {
+    match state {
+        ContactState::Stick => "stick",
+        ContactState::Slip => "slip",
+        ContactState::Mixed => "mixed",
+        ContactState::Held => "held",
+        ContactState::Apart => "apart",
     }
 }
 

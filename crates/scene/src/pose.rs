@@ -1,8 +1,9 @@
 //! From the wish to the problem: the dofs that matter are kept, a large structure is reduced onto them.
 
-use hbm::{Contact, Excitation, ExcitationKind, Problem};
+use hbm::{Contact, Direction, Excitation, ExcitationKind, Joint, Problem};
 use structure::{ModeCount, Progress, SparseDamping, SparseModel};
 
+use crate::contacts::Contacts;
 use crate::error::SceneError;
 use crate::reduction::{Reduced, ReductionFacts, SMALL, Wish};
 use crate::scene::Scene;
@@ -20,10 +21,9 @@ pub(crate) struct Posed {
 const STATIC: f64 = 1.0;
 
 /// Dofs that a force, a contact or the output names, ascending.
-fn kept(excitation: &[Excitation], contacts: &[Contact], output: &[usize]) -> Vec<usize> {
+fn kept(excitation: &[Excitation], contacts: &Contacts, output: &[usize]) -> Vec<usize> {
     let forces = excitation.iter().filter(|entry| entry.kind != ExcitationKind::Base).map(|entry| entry.dof);
-    let touched = contacts.iter().flat_map(|contact| [Some(contact.first), contact.second]).flatten();
-    let mut dofs: Vec<usize> = forces.chain(touched).chain(output.iter().copied()).collect();
+    let mut dofs: Vec<usize> = forces.chain(contacts.touched()).chain(output.iter().copied()).collect();
     dofs.sort_unstable();
     dofs.dedup();
     dofs
@@ -85,11 +85,19 @@ impl Scene {
             };
             Some(Contact { first: number(contact.first)?, second, ..contact.clone() })
         };
+        let moved_direction = |direction: &Direction| {
+            let part = |&(dof, coefficient): &(usize, f64)| Some((number(dof)?, coefficient));
+            Some(Direction { parts: direction.parts.iter().map(part).collect::<Option<_>>()? })
+        };
+        let joined = |joint: &Joint| {
+            let directions = joint.directions.iter().map(moved_direction).collect::<Option<_>>()?;
+            Some(Joint { directions, ..joint.clone() })
+        };
         Problem {
-            joints: Vec::new(),
             model,
             excitation: self.excitation.iter().filter_map(moved).collect(),
-            contacts: self.contacts.iter().filter_map(touching).collect(),
+            contacts: self.contacts.contacts.iter().filter_map(touching).collect(),
+            joints: self.contacts.joints.iter().filter_map(joined).collect(),
             output: self.output.iter().filter_map(|dof| number(*dof)).collect(),
         }
     }

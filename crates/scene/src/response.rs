@@ -78,7 +78,10 @@ impl Responses {
                 response.linear.push((solution.frequency, amplitude(&linear)));
             }
         }
-        let left = |solution: &hbm::Solution| solution.contacts.iter().any(|contact| contact.extrapolated);
+        let left = |solution: &hbm::Solution| {
+            let joints = solution.joints.iter().map(|joint| joint.extrapolated);
+            solution.contacts.iter().map(|contact| contact.extrapolated).chain(joints).any(|left| left)
+        };
         let unstable =
             |s: &hbm::Solution| s.stability.as_ref().is_some_and(|s| s.verdict == hbm::Verdict::Unstable);
         Self {

@@ -4,10 +4,10 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use hbm::{Contact, Excitation, ExcitationKind, Plan, Problem, Settings};
+use hbm::{Excitation, ExcitationKind, Plan, Problem, Settings};
 use structure::Progress;
 
-use crate::contacts;
+use crate::contacts::{self, Contacts};
 use crate::dofs::Dofs;
 use crate::error::SceneError;
 use crate::excitation;
@@ -37,7 +37,7 @@ pub struct Scene {
     pub(crate) excitation: Vec<Excitation>,
     /// Directions of base excitations.
     pub(crate) directions: Vec<Option<String>>,
-    pub(crate) contacts: Vec<Contact>,
+    pub(crate) contacts: Contacts,
     pub(crate) output: Vec<usize>,
     /// The problem in the terms of the balance, made when it is first needed.
     posed: OnceLock<Posed>,
@@ -90,7 +90,7 @@ impl Scene {
         harmonics.apply(estimate, &mut settings);
         let output = match scene.get("output") {
             Some(node) => read_output(&node, dofs)?,
-            None => usual_output(&excitation.entries, &contacts.contacts, dofs.len()),
+            None => usual_output(&excitation.entries, &contacts, dofs.len()),
         };
         let notes = [structure.notes(), &excitation.notes, &contacts.notes].concat();
         Ok(Self {
@@ -98,7 +98,7 @@ impl Scene {
             structure,
             excitation: excitation.entries,
             directions: excitation.directions,
-            contacts: contacts.contacts,
+            contacts,
             output,
             posed: OnceLock::new(),
             settled: false,
@@ -200,9 +200,9 @@ impl Scene {
         self.output.iter().filter_map(name).collect()
     }
 
-    /// Names of the contacts, those of `pairs` one by one.
+    /// Names of the contacts in one direction and in several, those of `pairs` one by one.
     pub fn contacts(&self) -> impl Iterator<Item = &str> {
-        self.contacts.iter().map(|contact| contact.name.as_str())
+        self.contacts.names()
     }
 
     /// How many harmonics its points have.
@@ -299,13 +299,12 @@ fn read_output(node: &Node, dofs: &Dofs) -> Result<Vec<usize>, SceneError> {
 }
 
 /// Every dof of a small model, else those that carry contacts or excitation.
-fn usual_output(excitation: &[Excitation], contacts: &[Contact], n: usize) -> Vec<usize> {
+fn usual_output(excitation: &[Excitation], contacts: &Contacts, n: usize) -> Vec<usize> {
     if n <= EVERY_OUTPUT {
         return (0..n).collect();
     }
-    let touched = contacts.iter().flat_map(|contact| [Some(contact.first), contact.second]);
-    let shaken = excitation.iter().filter(|e| e.kind != ExcitationKind::Base).map(|e| Some(e.dof));
-    let mut output: Vec<usize> = touched.chain(shaken).flatten().collect();
+    let shaken = excitation.iter().filter(|e| e.kind != ExcitationKind::Base).map(|e| e.dof);
+    let mut output: Vec<usize> = contacts.touched().chain(shaken).collect();
     output.sort_unstable();
     output.dedup();
     // A model that nothing touches and only its base shakes: its first dofs.

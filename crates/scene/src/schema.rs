@@ -10,8 +10,8 @@ mod tests {
 
     use super::SCHEMA;
     use crate::{
-        contacts, dofs, excitation, frequencies, harmonics, iwan, law, loop_family, loops, matrix, model,
-        reduction, scene, solver,
+        axes, contacts, dofs, excitation, frequencies, harmonics, iwan, joint_law, joints, law, loop_family,
+        loops, matrix, model, reduction, scene, solver,
     };
 
     /// Properties of a definition, or of the scene itself, without remarks.
@@ -37,6 +37,11 @@ mod tests {
             ("reduction", &reduction::KEYS),
             ("excitation", &excitation::KEYS),
             ("contact", &contacts::KEYS),
+            ("axes", &axes::KEYS),
+            ("directions", &joints::DIRECTION_KEYS),
+            ("friction_contact", &joint_law::FRICTION_CONTACT_KEYS),
+            ("normal_load", &joint_law::NORMAL_LOAD_KEYS),
+            ("gap", &law::GAP_KEYS),
             ("scaled_loop", &law::SCALED_LOOP_KEYS),
             ("loop_family", &loop_family::KEYS),
             ("iwan", &iwan::KEYS),
@@ -64,7 +69,7 @@ mod tests {
     #[test]
     fn it_has_a_definition_for_every_law() {
         let schema: Value = serde_json::from_str(SCHEMA).unwrap();
-        for law in law::LAWS {
+        for law in law::LAWS.into_iter().chain(joint_law::LAWS) {
             assert_eq!(schema["$defs"][law]["properties"]["type"]["const"], law);
         }
     }

@@ -107,7 +107,14 @@ pub(crate) fn explain(scene: &Scene) -> Step {
         return step(what, false, "not asked for (solver.stability, --stability)");
     }
     let mut remembers = false;
-    for contact in &scene.contacts {
+    if let Some(joint) = scene.contacts.joints.first() {
+        return step(
+            what,
+            false,
+            format!("contact {:?} slides in directions that depend on each other", joint.name),
+        );
+    }
+    for contact in &scene.contacts.contacts {
         match contact.law.mechanism() {
             Mechanism::Sliders { sliders: [], .. } | Mechanism::Smooth(_) => {}
             Mechanism::None { why } if !contact.law.nature().rate_dependent => {

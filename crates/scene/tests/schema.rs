@@ -37,6 +37,97 @@ fn every_example_fits_and_is_read() {
 }
 
 #[test]
+fn schema_and_reader_agree_on_several_directions() {
+    let row = |i: usize| (0..6).map(|j| if i == j { 1e5 } else { 0.0 }).collect::<Vec<_>>();
+    let diagonal = json!((0..6).map(row).collect::<Vec<_>>());
+    let base = json!({
+        "model": { "dofs": ["1:x", "1:y", "1:z", "2:x", "2:y", "2:z"], "mass": diagonal, "damping": diagonal, "stiffness": diagonal },
+        "excitation": [],
+        "contacts": [],
+        "frequencies": [10.0]
+    });
+    let rub = json!({
+        "type": "friction_contact", "tangential_stiffness": 1, "normal_stiffness": 1, "friction_coefficient": 0, "gap": -1e-6
+    });
+    let loaded = |load: Value| json!({ "type": "scaled_loop", "loop": { "displacement": 1e-6, "force": 1 }, "normal_load": load });
+    let held = loaded(json!({ "reference": 1, "stiffness": 1, "preload": 2 }));
+    let line = json!({ "normal": [0, 0, 1], "tangential": [0, 1, 0] });
+    let cases = [
+        (true, json!({ "law": rub, "nodes": ["1", "2"], "axes": { "normal": [0, 0, 1] } })),
+        (
+            true,
+            json!({ "law": rub, "nodes": ["1", "ground"], "axes": { "normal": { "z": -1 }, "tangential": { "x": 1 } } }),
+        ),
+        (true, json!({ "law": rub, "nodes": ["1", "ground"], "axes": line, "scale": 2 })),
+        (
+            true,
+            json!({ "law": rub, "node_pairs": [["1", "2"]], "axes": [{ "normal": [0, 0, 1], "comment": "up" }] }),
+        ),
+        (
+            true,
+            json!({ "law": rub, "directions": { "tangential": ["1:x", "ground"], "normal": ["1:z", "2:z"] } }),
+        ),
+        (
+            true,
+            json!({ "law": rub, "directions": [{ "tangential": [["1:x", "ground"], ["1:y", "ground"]], "normal": ["1:z", "2:z"] }] }),
+        ),
+        (true, json!({ "law": held, "nodes": ["1", "2"], "axes": line })),
+        (false, json!({ "law": held, "between": ["1:x", "ground"] })),
+        (false, json!({ "law": loaded(json!({})), "nodes": ["1", "2"], "axes": line })),
+        (
+            false,
+            json!({ "law": loaded(json!({ "reference": 0, "stiffness": 1, "preload": 2 })), "nodes": ["1", "2"], "axes": line }),
+        ),
+        (false, json!({ "law": rub, "between": ["1:x", "ground"] })),
+        (false, json!({ "law": rub, "nodes": ["1", "2"] })),
+        (false, json!({ "law": rub, "nodes": ["1", "2"], "axes": {} })),
+        (false, json!({ "law": rub, "nodes": ["1"], "axes": line })),
+        (false, json!({ "law": rub, "nodes": ["1", "2"], "axes": { "normal": [0, 1] } })),
+        (false, json!({ "law": rub, "nodes": ["1", "2"], "axes": { "normal": {} } })),
+        (
+            false,
+            json!({ "law": rub, "nodes": ["1", "2"], "axes": { "normal": [0, 0, 1], "tangential": [] } }),
+        ),
+        (false, json!({ "law": rub, "nodes": ["1", "2"], "node_pairs": [["1", "2"]], "axes": line })),
+        (false, json!({ "law": rub, "directions": { "normal": ["1:z", "2:z"] } })),
+        (
+            false,
+            json!({ "law": rub, "directions": { "tangential": ["1:x", "2:x"], "normal": ["1:z", "2:z"] }, "axes": line }),
+        ),
+        (false, json!({ "law": { "type": "linear", "stiffness": 1 }, "nodes": ["1", "2"], "axes": line })),
+        (
+            false,
+            json!({
+                "law": { "type": "linear", "stiffness": 1 },
+                "directions": { "tangential": ["1:x", "2:x"], "normal": ["1:z", "2:z"] }
+            }),
+        ),
+    ];
+    for (good, mut contact) in cases {
+        contact["name"] = json!("c");
+        let mut scene = base.clone();
+        scene["contacts"] = json!([contact]);
+        assert_eq!(fits(&scene), good, "schema: {contact}");
+        assert_eq!(Scene::from_str(&scene.to_string(), Path::new(".")).is_ok(), good, "reader: {contact}");
+    }
+    // Of the law itself both forms of the normal load, or none, are too many or too few.
+    for (good, load) in [
+        (true, json!({ "gap": 0 })),
+        (false, json!({})),
+        (false, json!({ "gap": 0, "preload": 1 })),
+        (false, json!({ "preload": -1 })),
+    ] {
+        let mut law = rub.clone();
+        law.as_object_mut().unwrap().remove("gap");
+        law.as_object_mut().unwrap().extend(load.as_object().unwrap().clone());
+        let mut scene = base.clone();
+        scene["contacts"] = json!([{ "name": "c", "law": law, "nodes": ["1", "2"], "axes": line }]);
+        assert_eq!(fits(&scene), good, "schema: {law}");
+        assert_eq!(Scene::from_str(&scene.to_string(), Path::new(".")).is_ok(), good, "reader: {law}");
+    }
+}
+
+#[test]
 fn schema_and_reader_agree() {
     let base = json!({
         "model": { "dofs": ["a"], "mass": [[1.0]], "damping": [[1.0]], "stiffness": [[1e5]] },
@@ -137,6 +228,9 @@ fn schema_and_reader_agree() {
             law(json!({ "type": "loop_family", "loops": [series(1e-6), { "displacement": 1, "force": 1 }] })),
         ),
         (false, law(json!({ "stiffness": 1 }))),
+        (true, law(json!({ "type": "gap", "stiffness": 1, "gap": -1e-6 }))),
+        (false, law(json!({ "type": "gap", "stiffness": 1 }))),
+        (false, law(json!({ "type": "gap", "stiffness": 0, "gap": 0 }))),
     ];
     let laws = laws.into_iter().map(|(good, (place, value))| (good, place, value));
     let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/reference/matrices");

@@ -115,16 +115,15 @@ impl Model {
         frequencies
     }
 
-    /// Natural frequencies in Hz of the structure with `springs` (first dof, second dof or the ground, N/m) added, each
-    /// with its half-power bandwidth φᵀ D φ/(2π φᵀ M φ) in Hz.
-    pub fn modes_with(&self, springs: &[(usize, Option<usize>, f64)]) -> Vec<(f64, f64)> {
+    /// Natural frequencies in Hz of the structure with `springs` added, each with its half-power bandwidth
+    /// φᵀ D φ/(2π φᵀ M φ) in Hz. A spring of so many N/m resists the displacement Σ coefficient · dof.
+    pub fn modes_with(&self, springs: &[(Vec<(usize, f64)>, f64)]) -> Vec<(f64, f64)> {
         let mut stiffness = self.stiffness.clone();
-        for &(first, second, k) in springs {
-            stiffness[(first, first)] += k;
-            if let Some(second) = second {
-                stiffness[(second, second)] += k;
-                stiffness[(first, second)] -= k;
-                stiffness[(second, first)] -= k;
+        for (parts, k) in springs {
+            for &(row, by_row) in parts {
+                for &(column, by_column) in parts {
+                    stiffness[(row, column)] += by_row * by_column * k;
+                }
             }
         }
         let Some(modes) = Modes::of(&self.mass, &stiffness) else { return Vec::new() };

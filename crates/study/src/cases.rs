@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::StudyError;
 use crate::grid::{Keep, Study};
 use crate::periodic::{dense, half_range};
+use crate::truth;
 
 /// What is kept of one point or one maximum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -189,14 +190,13 @@ impl Response<'_> {
             let column = self.orders.iter().position(|order| *order == self.first);
             column.and_then(|column| row.get(column)).map(|w: &num_complex::Complex64| w.norm())
         };
-        let dissipation = || solution.contacts.iter().map(|contact| contact.dissipation).sum();
         Entry {
             dof,
             frequency: solution.frequency,
             kind,
             amplitude: row.map(|row| half_range(&dense(self.orders, row))),
             first: row.and_then(first),
-            dissipation: row.map(|_| dissipation()),
+            dissipation: row.map(|_| truth::dissipation(solution)),
             truncation_error: solution.truncation_error,
         }
     }

@@ -246,12 +246,18 @@ impl<'s> Truths<'s> {
             frequency: solution.frequency,
             reference: Reference::Harmonics(solution.harmonics),
             dofs: self.rows(solution).into_iter().map(dof).collect(),
-            dissipation: solution.contacts.iter().map(|contact| contact.dissipation).sum(),
+            dissipation: dissipation(solution),
             no_orbit,
             distance: None,
             first: self.first(),
         }
     }
+}
+
+/// Energy in J that all contacts of a solution together dissipate in a period.
+pub(crate) fn dissipation(solution: &Solution) -> f64 {
+    let joints = solution.joints.iter().map(|joint| joint.dissipation);
+    solution.contacts.iter().map(|contact| contact.dissipation).chain(joints).sum()
 }
 
 /// Enough that the reference's own error does not count: four times as many, 127 at least; no more than 1023 unless the
@@ -271,7 +277,7 @@ impl Truth {
         let first = |spectrum: &[Complex64]| spectrum.get(self.first).map_or(0.0, |w| w.norm());
         let spectra: Vec<Vec<Complex64>> = rows.iter().map(|row| dense(orders, row)).collect();
         let pairs = || self.dofs.iter().zip(&spectra);
-        let dissipation: f64 = solution.contacts.iter().map(|contact| contact.dissipation).sum();
+        let dissipation = dissipation(solution);
         Some(Errors {
             spectrum: self.spectrum_error(orders, &rows),
             first: worst(pairs().map(|(truth, row)| {
@@ -301,7 +307,11 @@ impl Truth {
         let work = |contact: &hbm::ContactSolution| {
             contact.force.iter().map(|force| force.norm()).fold(0.0, f64::max) * contact.amplitude
         };
-        self.dissipation > NO_DISSIPATION * solution.contacts.iter().map(work).sum::<f64>()
+        let directions = solution.joints.iter().flat_map(|joint| &joint.directions);
+        let joints = directions
+            .map(|d| d.force.iter().map(|force| force.norm()).fold(0.0, f64::max) * d.amplitude)
+            .sum::<f64>();
+        self.dissipation > NO_DISSIPATION * (solution.contacts.iter().map(work).sum::<f64>() + joints)
     }
 }
 

@@ -80,6 +80,7 @@ impl Blade {
         Ok(Generated {
             structure,
             places: Places { first: towards(1), second: towards(0), bodies: 1 },
+            sites: Vec::new(),
             excited: vec![Excited { dof, phase: 0.0 }],
         })
     }

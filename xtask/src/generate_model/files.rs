@@ -7,7 +7,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use super::plan::{Excited, Pair};
+use super::plan::{Excited, Pair, Site};
+use super::rounded;
 use super::structure::Lower;
 
 /// Everything a scene says beside its matrices.
@@ -17,15 +18,27 @@ pub(super) struct Words<'a> {
     /// Amplitude of every force in N.
     pub(super) force: f64,
     pub(super) excited: &'a [Excited],
-    pub(super) contacts: &'a [Pair],
-    /// Of each contact, in N/m and N.
+    pub(super) contacts: Contacts<'a>,
+    /// Of each contact in N/m, in all its directions.
     pub(super) stiffness: f64,
+    /// Of each contact in N.
     pub(super) slip_force: f64,
     /// The value of `damping`.
     pub(super) damping: String,
     /// In Hz.
     pub(super) frequencies: (f64, f64),
 }
+
+/// What rubs.
+pub(super) enum Contacts<'a> {
+    /// Dofs, in one direction each.
+    Pairs(&'a [Pair]),
+    /// Nodes, in three directions under a normal load.
+    Sites(&'a [Site]),
+}
+
+/// Friction coefficient of contacts in three directions.
+const FRICTION: f64 = 0.3;
 
 /// Writes a symmetric matrix in coordinates, lower triangle, counted from one.
 pub(super) fn matrix(path: &Path, matrix: &Lower, dofs: usize, what: &str) -> Result<()> {
@@ -65,11 +78,6 @@ pub(super) fn scene(words: &Words, names: &[String]) -> Result<String> {
         ));
         output.push(format!("\"{dof}\""));
     }
-    let mut pairs = Vec::new();
-    for &(first, second) in words.contacts {
-        let second = second.map_or(Ok("ground"), |dof| name(dof).map(String::as_str))?;
-        pairs.push(format!("        [\"{}\", \"{second}\"]", name(first)?));
-    }
     let mut text = String::new();
     writeln!(text, "{{\n  \"comment\": \"{}\",\n  \"name\": \"{}\",", words.comment, words.name)?;
     writeln!(text, "  \"model\": {{\n    \"dofs\": {{\"file\": \"dofs.txt\"}},")?;
@@ -77,18 +85,51 @@ pub(super) fn scene(words: &Words, names: &[String]) -> Result<String> {
     writeln!(text, "    \"stiffness\": {{\"matrix_market\": \"stiffness.mtx\"}},")?;
     writeln!(text, "    \"damping\": {}\n  }},", words.damping)?;
     writeln!(text, "  \"excitation\": [\n{}\n  ],", forces.join(",\n"))?;
-    if pairs.is_empty() {
-        writeln!(text, "  \"contacts\": [],")?;
-    } else {
-        writeln!(text, "  \"contacts\": [\n    {{\n      \"name\": \"friction\",\n      \"pairs\": [")?;
-        writeln!(text, "{}\n      ],", pairs.join(",\n"))?;
-        let (stiffness, slip) = (words.stiffness, words.slip_force);
-        let law =
-            format!("\"type\": \"elastic_coulomb\", \"stiffness\": {stiffness:?}, \"slip_force\": {slip:?}");
-        writeln!(text, "      \"law\": {{{law}}}\n    }}\n  ],")?;
+    match words.contacts {
+        Contacts::Pairs([]) | Contacts::Sites([]) => writeln!(text, "  \"contacts\": [],")?,
+        Contacts::Pairs(pairs) => {
+            let (stiffness, slip) = (words.stiffness, words.slip_force);
+            writeln!(text, "  \"contacts\": [\n    {{\n      \"name\": \"friction\",\n      \"pairs\": [")?;
+            writeln!(text, "{}\n      ],", lines(pairs.iter().copied(), name)?)?;
+            let law = format!(
+                "\"type\": \"elastic_coulomb\", \"stiffness\": {stiffness:?}, \"slip_force\": {slip:?}"
+            );
+            writeln!(text, "      \"law\": {{{law}}}\n    }}\n  ],")?;
+        }
+        Contacts::Sites(sites) => {
+            let preload = rounded(words.slip_force / FRICTION);
+            let stiffness = words.stiffness;
+            writeln!(text, "  \"contacts\": [\n    {{\n      \"name\": \"shroud\",\n      \"law\": {{")?;
+            writeln!(text, "        \"type\": \"friction_contact\",")?;
+            writeln!(text, "        \"tangential_stiffness\": {stiffness:?},")?;
+            writeln!(text, "        \"normal_stiffness\": {stiffness:?},")?;
+            writeln!(text, "        \"friction_coefficient\": {FRICTION:?},")?;
+            writeln!(text, "        \"preload\": {preload:?}\n      }},\n      \"node_pairs\": [")?;
+            let node = |dof: usize| name(dof).map(|name| name.split(':').next().unwrap_or(name));
+            let pairs = sites.iter().map(|site| (site.first, site.second));
+            writeln!(text, "{}\n      ],\n      \"axes\": [", lines(pairs, node)?)?;
+            // The neighbour lies around the axis of the machine; friction acts along it and outwards.
+            let axes = sites.iter().map(|site| {
+                let tangential = "[{\"x\": 1}, {\"r\": 1}]";
+                format!("        {{\"tangential\": {tangential}, \"normal\": {{\"t\": {}}}}}", site.normal)
+            });
+            writeln!(text, "{}\n      ]\n    }}\n  ],", axes.collect::<Vec<_>>().join(",\n"))?;
+        }
     }
     let (from, to) = words.frequencies;
     writeln!(text, "  \"frequencies\": {{\"from\": {from:?}, \"to\": {to:?}, \"points\": 101}},")?;
     writeln!(text, "  \"harmonics\": 7,\n  \"output\": [{}]\n}}", output.join(", "))?;
     Ok(text)
+}
+
+/// One pair of names a line.
+fn lines<'n, N: AsRef<str> + ?Sized + 'n>(
+    pairs: impl Iterator<Item = Pair>,
+    name: impl Fn(usize) -> Result<&'n N>,
+) -> Result<String> {
+    let line = |(first, second): Pair| {
+        let second = second.map_or(Ok("ground"), |dof| name(dof).map(AsRef::as_ref))?;
+        Ok(format!("        [\"{}\", \"{second}\"]", name(first)?.as_ref()))
+    };
+    Ok(pairs.map(line).collect::<Result<Vec<String>>>()?.join(",\n"))
 }

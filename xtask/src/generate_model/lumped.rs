@@ -52,5 +52,5 @@ pub(super) fn generate(sectors: usize, engine_order: usize) -> Result<Generated>
     };
     let phase = |sector: usize| -TAU * (engine_order * sector % sectors) as f64 / sectors as f64;
     let excited = (0..sectors).map(|sector| Excited { dof: 3 * sector + 1, phase: phase(sector) }).collect();
-    Ok(Generated { structure, places, excited })
+    Ok(Generated { structure, places, sites: Vec::new(), excited })
 }

@@ -13,7 +13,26 @@ pub(super) type Pair = (usize, Option<usize>);
 pub(super) struct Generated {
     pub(super) structure: Structure,
     pub(super) places: Places,
+    /// Where nodes can rub in three directions; none where --joints is not for this kind.
+    pub(super) sites: Vec<Site>,
     pub(super) excited: Vec<Excited>,
+}
+
+/// Two nodes that rub, or one and the ground, by the first of their three dofs, whose directions are x, r, t.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Site {
+    pub(super) first: usize,
+    pub(super) second: Option<usize>,
+    /// Component along t of the normal axis, from the first body to the second: 1 or −1.
+    pub(super) normal: f64,
+}
+
+impl Site {
+    /// What its springs couple while it sticks.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = Pair> + use<> {
+        let Self { first, second, .. } = *self;
+        (0..3).map(move |direction| (first + direction, second.map(|second| second + direction)))
+    }
 }
 
 /// A force of the common amplitude.
@@ -44,6 +63,17 @@ impl Generated {
     }
 }
 
+/// `count` of the sites, spread evenly.
+pub(super) fn choose_sites(sites: &[Site], count: usize) -> Result<Vec<Site>> {
+    ensure!(!sites.is_empty(), "--joints: is for a sector or a ring, whose shrouds touch");
+    ensure!(
+        (1..=sites.len()).contains(&count),
+        "--contacts: with --joints there is room for 1 to {}, asked for {count}; more --dofs or --sectors make more",
+        sites.len()
+    );
+    Ok(spread(sites, count))
+}
+
 impl Places {
     /// `count` contacts, spread evenly.
     pub(super) fn choose(&self, count: usize) -> Result<Vec<Pair>> {
@@ -59,7 +89,10 @@ impl Places {
     }
 }
 
-/// `count` of the pairs, at even distances.
-fn spread(pairs: &[Pair], count: usize) -> Vec<Pair> {
-    (0..count).filter_map(|chosen| pairs.get((2 * chosen + 1) * pairs.len() / (2 * count))).copied().collect()
+/// `count` of the places, at even distances.
+fn spread<T: Copy>(places: &[T], count: usize) -> Vec<T> {
+    (0..count)
+        .filter_map(|chosen| places.get((2 * chosen + 1) * places.len() / (2 * count)))
+        .copied()
+        .collect()
 }

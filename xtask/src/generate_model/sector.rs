@@ -12,7 +12,7 @@ use anyhow::{Result, ensure};
 use super::blade::{Blade, brick, centred};
 use super::material::STEEL;
 use super::mesh::{Directions, Mesh};
-use super::plan::{Excited, Generated, Places};
+use super::plan::{Excited, Generated, Places, Site};
 
 /// Arc between neighbouring blades at their roots in m.
 const PITCH: f64 = 0.045;
@@ -65,11 +65,19 @@ impl Sectors {
             built.at.get(&place).and_then(|&node| first[node]).map(|dof| dof + direction)
         };
         let mut places = Places { first: Vec::new(), second: Vec::new(), bodies: self.built() };
+        let (mut sites, mut opposite) = (Vec::new(), Vec::new());
         for sector in 0..self.built() {
             for k in cells.disk + cells.blade..=cells.layers() {
                 for i in 0..=cells.chord {
                     let right = |direction| dof([sector, i, around, k], direction);
                     let left = |direction| dof([(sector + 1) % self.built(), i, 0, k], direction);
+                    if let (Some(right), Some(left)) = (right(0), left(0)) {
+                        let second = self.ring.then_some(left);
+                        sites.push(Site { first: right, second, normal: 1.0 });
+                        if !self.ring {
+                            opposite.push(Site { first: left, second: None, normal: -1.0 });
+                        }
+                    }
                     for (list, direction) in [(&mut places.first, 0), (&mut places.second, 1)] {
                         let (Some(right), Some(left)) = (right(direction), left(direction)) else { continue };
                         if self.ring {
@@ -88,7 +96,9 @@ impl Sectors {
             Some(Excited { dof: dof([sector, i, j, k], 2)?, phase: -TAU * turned })
         });
         let excited = excited.collect();
-        Ok(Generated { structure, places, excited })
+        // First one side, then the other: an even number of contacts has as many on either.
+        sites.append(&mut opposite);
+        Ok(Generated { structure, places, sites, excited })
     }
 
     /// How many sectors there are in the mesh.

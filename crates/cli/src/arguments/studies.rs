@@ -221,6 +221,60 @@ fn amplitudes(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
     }
 }
 
+pub const PEAKS: &str = "\
+The highest amplitude |W_1| of a dof over the frequencies of the scene, followed over an entry of it. At --points values \
+the whole response is looked at; between them each peak is found from its neighbours in a few solutions, at as many values \
+as the curve needs. The optimum is where the highest peak is lowest: the best slip force or normal load of a damper. The \
+exit code is 1 when the highest peak is not known everywhere; those values are marked.
+
+Examples:
+  stickslip peaks damper.json --vary /contacts/0/law/slip_force --from 1 --to 100 --log
+  stickslip peaks damper.json --vary /contacts/0/scale --from 0.1 --to 10 --log --harmonics 1,3,7 --plot peaks.svg
+  stickslip peaks cubic.json --vary /excitation/0/amplitude --from 0.5 --to 20 -o peaks.csv";
+
+/// `stickslip peaks`.
+#[derive(Debug, Args)]
+pub struct PeaksArguments {
+    /// The scene's file, JSON
+    pub scene: PathBuf,
+    /// The number of the scene over which peaks are followed (a JSON pointer)
+    #[arg(long, value_name = "/contacts/0/law/slip_force")]
+    pub vary: String,
+    /// Its smallest value
+    #[arg(long, value_name = "VALUE", value_parser = number, allow_negative_numbers = true)]
+    pub from: f64,
+    /// Its largest value
+    #[arg(long, value_name = "VALUE", value_parser = number, allow_negative_numbers = true)]
+    pub to: f64,
+    /// Space the values evenly over the logarithm
+    #[arg(long)]
+    pub log: bool,
+    /// The dof whose amplitude counts [default: the first that is excited]
+    #[arg(long, value_name = "NAME")]
+    pub dof: Option<String>,
+    /// Numbers of harmonics, a curve each [default: the scene's]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',')]
+    pub harmonics: Vec<usize>,
+    /// Other frequencies than the scene's, in Hz; only their range counts
+    #[arg(long, value_name = FREQUENCIES)]
+    pub frequencies: Option<Frequencies>,
+    /// Values at which the whole response is looked at, ends included
+    #[arg(long, value_name = "POINTS", default_value = "13", value_parser = clap::value_parser!(u16).range(2..))]
+    pub points: u16,
+    /// Threads to use [default: one a core]
+    #[arg(long, value_name = "T")]
+    pub threads: Option<NonZeroUsize>,
+    /// Form of the answer [default: by the extension of -o, text to a terminal, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<TableFormat>,
+    /// Write the answer to FILE, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Draw the highest peak and its frequency over the entry
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub plot: Option<PathBuf>,
+}
+
 pub const STUDY: &str = "\
 A study is a JSON file: a scene, entries of it that are varied (JSON pointers), numbers of harmonics, and what is kept:
 

@@ -5,7 +5,7 @@ use crate::common_point::CommonPoint;
 use crate::{FrictionContact, FrictionContactParameters, JointChange, JointLaw, JointMarks, JointMotion};
 
 /// A motion of several directions with its samples.
-struct Moving {
+pub(super) struct Moving {
     directions: usize,
     spectrum: Vec<Complex64>,
     displacement: Vec<f64>,
@@ -14,7 +14,7 @@ struct Moving {
 
 impl Moving {
     /// From the spectrum of each direction, in m.
-    fn new(spectra: &[Vec<Complex64>], samples: usize) -> Self {
+    pub(super) fn new(spectra: &[Vec<Complex64>], samples: usize) -> Self {
         let length = spectra.iter().map(Vec::len).max().unwrap();
         let padded: Vec<Vec<Complex64>> = spectra
             .iter()
@@ -29,7 +29,7 @@ impl Moving {
         }
     }
 
-    fn motion(&self) -> JointMotion<'_> {
+    pub(super) fn motion(&self) -> JointMotion<'_> {
         JointMotion {
             directions: self.directions,
             spectrum: &self.spectrum,
@@ -43,7 +43,7 @@ impl Moving {
     }
 }
 
-fn forces(law: &dyn JointLaw, moving: &Moving) -> (Vec<f64>, JointMarks) {
+pub(super) fn forces(law: &dyn JointLaw, moving: &Moving) -> (Vec<f64>, JointMarks) {
     let mut force = vec![0.0; moving.displacement.len()];
     let mut workspace = law.workspace(moving.samples());
     let marks = law.force(&moving.motion(), &mut *workspace, &mut force).unwrap();
@@ -67,7 +67,7 @@ fn contact(preload: Option<f64>, gap: Option<f64>, tangential: usize) -> Frictio
     FrictionContact::new(parameters, tangential).unwrap()
 }
 
-fn um(list: &[(usize, f64, f64)]) -> Vec<Complex64> {
+pub(super) fn um(list: &[(usize, f64, f64)]) -> Vec<Complex64> {
     let highest = list.iter().map(|(k, ..)| *k).max().unwrap_or(0);
     let mut spectrum = vec![Complex64::ZERO; highest + 1];
     for &(k, re, im) in list {
@@ -117,45 +117,49 @@ fn cases(samples: usize) -> Vec<(FrictionContact, Moving)> {
     cases
 }
 
-#[test]
-fn derivatives_agree_with_central_differences() {
-    let samples = 128;
-    for (number, (law, moving)) in cases(samples).iter().enumerate() {
-        let mut workspace = law.workspace(samples);
-        let mut force = vec![0.0; moving.displacement.len()];
-        let marks = law.force(&moving.motion(), &mut *workspace, &mut force).unwrap();
-        let mut derivative = vec![0.0; force.len()];
-        for direction in 0..moving.directions {
-            for order in 0..4 {
-                for amplitude in [complex(1.0, 0.0), complex(0.0, 1.0)] {
-                    if order == 0 && amplitude.im != 0.0 {
-                        continue;
-                    }
-                    let wave: Vec<f64> = (0..samples)
-                        .map(|j| (amplitude * Complex64::cis(TAU * (order * j) as f64 / samples as f64)).re)
-                        .collect();
-                    let change = JointChange { direction, order, amplitude, displacement: &wave };
-                    law.derivative(&moving.motion(), &change, &mut *workspace, &mut derivative);
-                    let h = 1e-12;
-                    let moved = |sign: f64| {
-                        let mut spectra: Vec<Vec<Complex64>> =
-                            (0..moving.directions).map(|d| moving.motion().spectrum_of(d).to_vec()).collect();
-                        spectra[direction].resize(4.max(moving.spectrum.len()), Complex64::ZERO);
-                        spectra[direction][order] += amplitude * (sign * h);
-                        forces(law, &Moving::new(&spectra, samples)).0
-                    };
-                    let (up, down) = (moved(1.0), moved(-1.0));
-                    for (j, exact) in derivative.iter().enumerate() {
-                        let difference = (up[j] - down[j]) / (2.0 * h);
-                        let error = (difference - exact).abs() / KT;
-                        assert!(
-                            error < 3e-8,
-                            "case {number} ({marks:?}) direction {direction} order {order} {amplitude}, sample {j}: {difference} by differences, {exact}"
-                        );
-                    }
+/// Every entry of the derivative against central differences, errors relative to `stiffness`.
+pub(super) fn check_differences(law: &dyn JointLaw, moving: &Moving, stiffness: f64, tolerance: f64) {
+    let samples = moving.samples();
+    let mut workspace = law.workspace(samples);
+    let mut force = vec![0.0; moving.displacement.len()];
+    let marks = law.force(&moving.motion(), &mut *workspace, &mut force).unwrap();
+    let mut derivative = vec![0.0; force.len()];
+    for direction in 0..moving.directions {
+        for order in 0..4 {
+            for amplitude in [complex(1.0, 0.0), complex(0.0, 1.0)] {
+                if order == 0 && amplitude.im != 0.0 {
+                    continue;
+                }
+                let wave: Vec<f64> = (0..samples)
+                    .map(|j| (amplitude * Complex64::cis(TAU * (order * j) as f64 / samples as f64)).re)
+                    .collect();
+                let change = JointChange { direction, order, amplitude, displacement: &wave };
+                law.derivative(&moving.motion(), &change, &mut *workspace, &mut derivative);
+                let h = 1e-12;
+                let moved = |sign: f64| {
+                    let mut spectra: Vec<Vec<Complex64>> =
+                        (0..moving.directions).map(|d| moving.motion().spectrum_of(d).to_vec()).collect();
+                    spectra[direction].resize(4.max(moving.spectrum.len()), Complex64::ZERO);
+                    spectra[direction][order] += amplitude * (sign * h);
+                    forces(law, &Moving::new(&spectra, samples)).0
+                };
+                let (up, down) = (moved(1.0), moved(-1.0));
+                for (j, exact) in derivative.iter().enumerate() {
+                    let difference = (up[j] - down[j]) / (2.0 * h);
+                    assert!(
+                        (difference - exact).abs() < tolerance * stiffness,
+                        "{marks:?} direction {direction} order {order} {amplitude}, sample {j}: {difference} by differences, {exact}"
+                    );
                 }
             }
         }
+    }
+}
+
+#[test]
+fn derivatives_agree_with_central_differences() {
+    for (law, moving) in cases(128) {
+        check_differences(&law, &moving, KT, 3e-8);
     }
 }
 
@@ -192,9 +196,9 @@ fn derivatives_agree_with_dual_numbers_followed_for_many_periods() {
         let mut slipping = false;
         let mut row = vec![slider; samples];
         for _ in 0..400 {
-            for j in 0..samples {
+            for (j, kept) in row.iter_mut().enumerate() {
                 let (next, grip) = follow(slider, slipping, place((j + samples - 1) % samples), place(j));
-                (slider, slipping, row[j]) = (next, grip == Grip::Slip, next);
+                (slider, slipping, *kept) = (next, grip == Grip::Slip, next);
             }
         }
         row
@@ -219,10 +223,10 @@ fn derivatives_agree_with_dual_numbers_followed_for_many_periods() {
             let raw = |j: usize| law.normal().load(moving.motion().displacement_of(D)[j]);
             let row = followed(moving, (direction, &wave), [3.7e-6; D], raw);
             for d in 0..D {
-                for j in 0..samples {
+                for (j, slider) in row.iter().enumerate() {
                     let w = moving.motion().displacement_of(d)[j];
                     let by = if d == direction { wave[j] } else { 0.0 };
-                    let f = (Dual64::new(w, by) - row[j][d]) * KT;
+                    let f = (Dual64::new(w, by) - slider[d]) * KT;
                     assert!((f.re - force[d * samples + j]).abs() < 1e-11 * LOAD, "{marks:?} {j}");
                     let error = (f.eps - derivative[d * samples + j]).abs() / KT;
                     assert!(error < 1e-10, "{marks:?} {direction} {j}: {error:e}");
@@ -296,7 +300,7 @@ fn motion_along_a_line_is_friction_in_one_direction() {
 }
 
 /// ∮ f·dw over the tangential directions in J, from the spectra.
-fn friction_work(moving: &Moving, force: &[f64]) -> f64 {
+pub(super) fn friction_work(moving: &Moving, force: &[f64]) -> f64 {
     let samples = moving.samples();
     (0..moving.directions - 1)
         .map(|d| {

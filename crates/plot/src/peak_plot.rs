@@ -1,0 +1,173 @@
+//! The highest peak of a response over a parameter: amplitude and frequency, the optimum marked.
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+
+use super::axis::Axis;
+use super::chart::{BOTTOM, BOTTOM_BARE, Chart, Curve, LEFT, RIGHT, TOP};
+use super::labels::{self, Label};
+use super::sheet::decorated;
+use super::truncation_plot::PENS;
+use super::{image, pen};
+
+/// The highest peak over a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PeakPlot {
+    /// Written above the sheet.
+    pub title: String,
+    /// What varies.
+    pub parameter: String,
+    /// Over its logarithm.
+    pub logarithmic: bool,
+    /// What the amplitude is, `peak of |W_1| of w2`.
+    pub quantity: String,
+    /// One a number of harmonics.
+    pub curves: Vec<PeakPlotCurve>,
+}
+
+/// One curve of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PeakPlotCurve {
+    /// `N = 7`.
+    pub name: String,
+    /// Parameter; frequency in Hz and amplitude in m of the highest peak, `None` where it is not known.
+    pub points: Vec<(f64, Option<(f64, f64)>)>,
+    /// Parameter, frequency in Hz and amplitude in m where the peak is lowest.
+    pub optimum: Option<(f64, f64, f64)>,
+}
+
+/// Draws `plot` and writes it to `path`, `.svg` or `.png`.
+///
+/// # Errors
+/// Another extension, nothing to draw, or a file that cannot be written; then `path` is as it was.
+pub fn write_peaks(plot: &PeakPlot, path: &Path) -> Result<()> {
+    image::ImageFormat::of(path)?;
+    image::write(&draw(plot)?, path)
+}
+
+/// Column width of a journal and heights of the frames in px (1/96 in).
+const WIDTH: f64 = 340.0;
+const AMPLITUDE: f64 = 190.0;
+const FREQUENCY: f64 = 110.0;
+
+fn draw(plot: &PeakPlot) -> Result<String> {
+    let parameters = || plot.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.0));
+    let x = match plot.logarithmic {
+        true => Axis::decades(plot.parameter.clone(), parameters()),
+        false => Axis::counted(&plot.parameter, parameters()),
+    };
+    let labels = names(plot);
+    let x = x.map(|mut x| {
+        let frame = WIDTH - LEFT - RIGHT;
+        let largest = parameters().filter_map(|value| x.place(value)).fold(f64::NEG_INFINITY, f64::max);
+        let room = labels::room(&labels).min(0.5 * frame);
+        if !labels.is_empty() {
+            x.high = x.high.max(x.low + (largest - x.low) * frame / (frame - room));
+        }
+        x
+    });
+    let chart = |of: &dyn Fn((f64, f64)) -> f64, y: Option<Axis>, height: f64, lowest: bool| {
+        let pens = PENS.iter().cycle();
+        let lines = plot.curves.iter().zip(pens).map(|(curve, pen)| Curve {
+            name: "",
+            points: curve.points.iter().map(|(x, peak)| (*x, peak.map(of))).collect(),
+            pen: *pen,
+        });
+        let dots = plot.curves.iter().enumerate().map(|(i, curve)| Curve {
+            name: if i == 0 && curve.optimum.is_some() { "optimum" } else { "" },
+            points: curve.optimum.iter().map(|&(x, hertz, height)| (x, Some(of((hertz, height))))).collect(),
+            pen: pen::POINT,
+        });
+        Some(Chart {
+            heading: String::new(),
+            x: x.clone()?,
+            y: y?,
+            curves: lines.chain(dots).collect(),
+            rug: Vec::new(),
+            rug_name: "",
+            label_x: lowest,
+            label_y: true,
+            legend: !lowest && plot.curves.iter().any(|curve| curve.optimum.is_some()),
+            width: WIDTH,
+            height: TOP + height + if lowest { BOTTOM } else { BOTTOM_BARE },
+        })
+    };
+    let peaks = || plot.curves.iter().flat_map(|curve| curve.points.iter().filter_map(|point| point.1));
+    let amplitude = Axis::measured(&plot.quantity, "m", peaks().map(|peak| peak.1).chain([0.0]));
+    let frequency = Axis::measured("frequency", "Hz", peaks().map(|peak| peak.0));
+    ensure!(peaks().next().is_some(), "nothing to plot: no peak is known");
+    let charts = [
+        chart(&|peak| peak.1, amplitude, AMPLITUDE, false),
+        chart(&|peak| peak.0, frequency, FREQUENCY, true),
+    ];
+    let charts: Vec<Chart> = charts.into_iter().flatten().collect();
+    ensure!(charts.len() == 2, "nothing to plot: no peak is known");
+    // Beside the amplitudes; the frequencies below have the same pens.
+    let name = |chart: &Chart, scene: &mut _| {
+        if !chart.label_x {
+            labels::draw(scene, chart, &labels);
+        }
+    };
+    Ok(decorated(&plot.title, 1, charts, &|chart, scene| name(chart, scene)))
+}
+
+/// The name of every curve at its end, where there are several.
+fn names(plot: &PeakPlot) -> Vec<Label> {
+    let last = |curve: &PeakPlotCurve| {
+        let known = |point: &(f64, Option<(f64, f64)>)| Some((point.0, point.1?.1));
+        curve.points.iter().rev().find_map(known)
+    };
+    let label = |(curve, pen): (&PeakPlotCurve, &pen::Pen)| {
+        Some(Label { text: curve.name.clone(), at: last(curve)?, color: pen.color })
+    };
+    match plot.curves.len() {
+        0 | 1 => Vec::new(),
+        _ => plot.curves.iter().zip(PENS.iter().cycle()).filter_map(label).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example(curves: usize) -> PeakPlot {
+        let curve = |n: usize| {
+            let peak =
+                |x: f64| (40.0 + 20.0 * x / (x + 10.0), (2.0 + (x / 12.0).ln().powi(2)) / n as f64 * 1e-4);
+            let points = (0..40).map(|i| 1.1_f64.powi(i)).map(|x| (x, (x < 35.0).then(|| peak(x)))).collect();
+            let (hertz, height) = peak(12.0);
+            PeakPlotCurve { name: format!("N = {n}"), points, optimum: Some((12.0, hertz, height)) }
+        };
+        PeakPlot {
+            title: "example".into(),
+            parameter: "/contacts/0/law/slip_force".into(),
+            logarithmic: true,
+            quantity: "peak of |W_1| of w2".into(),
+            curves: (1..=curves).map(curve).collect(),
+        }
+    }
+
+    #[test]
+    fn the_optimum_is_marked_in_both_charts() {
+        let svg = draw(&example(1)).unwrap();
+        assert!(svg.contains("frequency (Hz)") && svg.contains("optimum") && !svg.contains("N = 1"));
+        assert_eq!(svg.matches("<circle").count(), 3);
+        assert!(draw(&example(3)).unwrap().contains("N = 3"));
+    }
+
+    #[test]
+    fn no_peak_is_an_error() {
+        assert!(draw(&example(0)).unwrap_err().to_string().contains("nothing to plot"));
+    }
+
+    /// For looking at: `STICKSLIP_FIGURES=folder cargo test -p stickslip-plot figures`.
+    #[test]
+    fn figures_of_peaks_are_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = std::env::var_os("STICKSLIP_FIGURES").map_or(folder.path().to_owned(), Into::into);
+        for name in ["peaks.svg", "peaks.png"] {
+            write_peaks(&example(3), &folder.join(name)).unwrap();
+        }
+    }
+}
