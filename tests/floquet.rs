@@ -22,6 +22,7 @@ fn a_linear_oscillator_has_its_closed_form() {
             stiffness: mat![[c]],
             loads: vec![load(0, 1, 3.0)],
             contacts: vec![contact(0, None, Arc::new(spring.clone()))],
+            joints: Vec::new(),
         };
         let orbit = orbit(&system, hertz);
         let (decay, natural) = (0.5 * d / m, ((c + k) / m).sqrt());

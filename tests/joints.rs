@@ -281,7 +281,7 @@ fn coupled_springs_are_a_linear_structure() {
                 for (dof, exact) in exact.iter().enumerate() {
                     let error = (solution.displacement[dof][k] - exact).norm() / size;
                     // Where nothing else holds a body, springs are lent for its mean, and digits with them.
-                    let tolerance = if held == 0.0 && k == 0 { 1e-11 } else { 1e-12 };
+                    let tolerance = if held == 0.0 && k == 0 { 1e-10 } else { 1e-12 };
                     assert!(
                         error < tolerance,
                         "held {held}, {solver:?}, {hertz} Hz, W_{k} of {dof}: {error:e}"

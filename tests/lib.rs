@@ -1,6 +1,8 @@
 //! Models with known answers, shared by the cross-crate tests and the benchmarks.
 
+pub mod joint_models;
 pub mod orbit_models;
+pub mod planar_truth;
 
 use std::f64::consts::TAU;
 use std::path::Path;

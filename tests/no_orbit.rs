@@ -66,6 +66,7 @@ fn unbounded_motion() {
         stiffness: mat![[stiffness]],
         loads: vec![load(0, 1, 1.0)],
         contacts: vec![],
+        joints: Vec::new(),
     };
     let settings = Settings { settling_periods: 20, ..Settings::default() };
     let (error, text) = refusal(&undamped(9e4, 0.0), resonance, &settings);

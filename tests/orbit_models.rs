@@ -25,6 +25,7 @@ pub fn two_mass(law: Arc<dyn Law>) -> System {
         stiffness: mat![[8.2e5, -4.1e5], [-4.1e5, 4.1e5]],
         loads: vec![load(1, 1, 9.1)],
         contacts: vec![contact(0, None, law)],
+        joints: Vec::new(),
     }
 }
 
@@ -36,6 +37,7 @@ pub fn unit_masses(law: Arc<dyn Law>) -> System {
         stiffness: mat![[3.8e5, -1.9e5], [-1.9e5, 1.9e5]],
         loads: vec![load(1, 1, 3.0)],
         contacts: vec![contact(0, None, law)],
+        joints: Vec::new(),
     }
 }
 

@@ -151,6 +151,7 @@ fn defective_state_matrices_change_nothing() {
             stiffness: mat![[stiffness]],
             loads: vec![load(0, 1, 2.0)],
             contacts: vec![],
+            joints: Vec::new(),
         };
         let omega = TAU * 4.0;
         let found = orbit(&system, 4.0).spectrum(0, 3);
@@ -171,6 +172,7 @@ fn dissipation_is_the_area_of_the_parallelogram() {
         stiffness: mat![[0.0]],
         loads: vec![load(0, 1, 3.0)],
         contacts: vec![contact(0, None, elastic_coulomb(stiffness, slip_force))],
+        joints: Vec::new(),
     };
     for (system, hertz) in [(free, 30.0), (unit_masses(elastic_coulomb(stiffness, slip_force)), 40.0)] {
         let orbit = orbit(&system, hertz);
@@ -191,6 +193,7 @@ fn dissipation_is_the_area_of_the_parallelogram() {
             match event.kind {
                 EventKind::Stick => assert!(orbit.velocity(0, event.time).abs() < 1e-12 * fastest),
                 EventKind::Slip => assert!(orbit.velocity(0, event.time) * f64::from(event.direction) > 0.0),
+                EventKind::Open | EventKind::Close => panic!("this contact never opens"),
             }
         }
     }
@@ -237,6 +240,7 @@ fn three_masses() -> (System, Vec<(usize, f64, f64)>, Vec<f64>) {
             contact(0, None, elastic_coulomb(2e6, 4.0)),
             Contact { name: "ring".into(), first: 2, second: Some(1), law: stack.clone(), scale: 1.5 },
         ],
+        joints: Vec::new(),
     };
     let (stack, spring) = sliders_of(&*stack, 1);
     let scaled = stack.into_iter().map(|(c, k, limit)| (c, 1.5 * k, 1.5 * limit));
@@ -264,6 +268,7 @@ fn simultaneous_events() {
         stiffness: mat![[1.9e5]],
         loads: vec![load(0, 1, 3.0)],
         contacts: vec![contact(0, None, elastic_coulomb(6e4, 1.0))],
+        joints: Vec::new(),
     };
     let half = |m: f64| mat![[m, 0.0], [0.0, m]];
     let twins = System {
@@ -272,6 +277,7 @@ fn simultaneous_events() {
         stiffness: half(1.9e5),
         loads: vec![load(0, 1, 3.0), load(1, 1, 3.0)],
         contacts: (0..2).map(|dof| contact(dof, None, elastic_coulomb(6e4, 1.0))).collect(),
+        joints: Vec::new(),
     };
     // Two sliders of the same yield displacement on one dof do as one.
     let mut shared = one.clone();
@@ -393,7 +399,7 @@ fn every_random_scene_has_its_orbit() {
             contact(first, second, law)
         });
         let contacts = contacts.collect();
-        let system = System { mass, damping, stiffness, loads, contacts };
+        let system = System { mass, damping, stiffness, loads, contacts, joints: Vec::new() };
         match find(&system, hertz, &Settings::default()) {
             Ok(orbit) => {
                 found += 1;
@@ -418,7 +424,8 @@ fn a_long_chain_starts_from_rest() {
     let n = 12;
     let [mass, damping, stiffness] = chain(&vec![1.0; n], &vec![4e5; n + 1], 20.0);
     let contacts = vec![contact(0, None, elastic_coulomb(1e6, 0.3))];
-    let system = System { mass, damping, stiffness, loads: vec![load(n - 1, 1, 30.0)], contacts };
+    let system =
+        System { mass, damping, stiffness, loads: vec![load(n - 1, 1, 30.0)], contacts, joints: Vec::new() };
     let found = orbit(&system, 10.0);
     let distance = |steps| distance_from_time_integration(&system, &found, &[(0, 1e6, 0.3)], &[0.0], steps);
     let (coarse, fine) = (distance(1000), distance(4000));

@@ -167,6 +167,7 @@ fn even_harmonics_and_units() {
             contact(1, Some(0), cubic(3e8 * 1e-12)),
             Contact { scale: 2.0, ..contact(1, None, softer) },
         ],
+        joints: Vec::new(),
     };
     other.loads.iter_mut().for_each(|load| load.amplitude *= 1e-3);
     for hertz in [20.0, 43.0, 70.0] {
@@ -194,6 +195,7 @@ fn slow_creep_is_a_damper() {
         stiffness: mat![[500.0]],
         loads: vec![load(0, 1, 1e-6)],
         contacts: vec![contact(0, None, coulomb(3.0, 0.5))],
+        joints: Vec::new(),
     };
     let omega = TAU * 2.0;
     let found = orbit(&system, 2.0).spectrum(0, 3);

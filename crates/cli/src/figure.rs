@@ -218,18 +218,18 @@ pub fn backbone(figure: Figure, _: &BackboneOutcome) -> Result<(), Failure> {
 /// Draws the highest peak and its frequency over an entry.
 #[cfg(feature = "plot")]
 pub fn peaks(figure: Figure, found: &PeaksOutcome) -> Result<(), Failure> {
-    use plot::{PeakPlot, PeakPlotCurve, write_peaks};
+    use plot::{HighestPeak, PeakPlot, PeakPlotCurve, write_peaks};
 
-    let place = |parameter: f64, peak: &scene::PeaksPeak| (parameter, peak.point.frequency, peak.amplitude);
+    let highest = |point: &scene::PeaksPoint| {
+        let peak = point.highest()?;
+        let (frequency, amplitude) = (peak.point.frequency, peak.amplitude);
+        Some(HighestPeak { branch: peak.branch, frequency, amplitude })
+    };
+    let lowest = |optimum: &scene::PeaksOptimum| Some((optimum.point.parameter, highest(&optimum.point)?));
     let curve = |curve: &scene::PeaksCurve| PeakPlotCurve {
         name: format!("N = {}", curve.harmonics),
-        points: (curve.points.iter())
-            .map(|point| {
-                (point.parameter, point.highest().map(|peak| (peak.point.frequency, peak.amplitude)))
-            })
-            .collect(),
-        optimum: (curve.optimum.as_ref())
-            .and_then(|optimum| Some(place(optimum.point.parameter, optimum.point.highest()?))),
+        points: curve.points.iter().map(|point| (point.parameter, highest(point))).collect(),
+        optimum: curve.optimum.as_ref().and_then(lowest),
     };
     let drawing = PeakPlot {
         title: found.scene.clone(),

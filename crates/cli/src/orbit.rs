@@ -151,6 +151,8 @@ impl Motion<'_> {
             begins: match event.kind {
                 EventKind::Slip => "slip",
                 EventKind::Stick => "stick",
+                EventKind::Open => "apart",
+                EventKind::Close => "contact",
             },
             direction: event.direction,
         };

@@ -5,16 +5,19 @@ use scene::{Motion, Scene};
 use crate::ending::Failure;
 use crate::output::Output;
 
-/// Time, displacements of the output dofs, relative displacement and force of every contact.
+/// Time, displacements of the output dofs, relative displacement and force of every contact in each of its directions.
 pub fn write(output: Output, scene: &Scene, motion: &Motion) -> Result<(), Failure> {
     let mut header = vec!["time [s]".to_owned()];
     header.extend(scene.output().iter().map(|dof| format!("{dof} [m]")));
-    for name in scene.contacts() {
-        header.extend([format!("{name} relative displacement [m]"), format!("{name} force [N]")]);
+    let mut columns: Vec<&[f64]> = motion.waveform.displacement.iter().map(Vec::as_slice).collect();
+    for contact in scene.contact_motions(&motion.waveform) {
+        for direction in contact.directions {
+            let name = [contact.name, direction.name].join(" ");
+            let name = name.trim_end();
+            header.extend([format!("{name} relative displacement [m]"), format!("{name} force [N]")]);
+            columns.extend([direction.displacement, direction.force]);
+        }
     }
-    let period = &motion.waveform;
-    let contacts = period.contacts.iter().flat_map(|contact| [&contact.displacement, &contact.force]);
-    let columns: Vec<&Vec<f64>> = period.displacement.iter().chain(contacts).collect();
     output.write(|out| {
         let mut table = csv::Writer::from_writer(out);
         table.write_record(&header)?;

@@ -4,8 +4,12 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{LawError, ParameterError};
-use crate::joint::{JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace};
+use crate::friction_events::{EventBuffers, FrictionEvents, couplings};
+use crate::joint::{
+    Coupling, JointChange, JointLaw, JointMarks, JointMotion, JointPiecewiseLinear, JointWorkspace,
+};
 use crate::law::ContactState;
+use crate::mechanism::JointMechanism;
 use crate::normal_contact::{NormalContact, NormalContactParameters};
 use crate::sliding_period::{Regime, SlidingPeriod};
 
@@ -45,6 +49,7 @@ pub struct FrictionContact {
 struct Buffers<const D: usize> {
     period: SlidingPeriod<D>,
     regime: Regime<D>,
+    events: EventBuffers,
 }
 
 impl<const D: usize> JointWorkspace for Buffers<D> {
@@ -103,7 +108,7 @@ impl FrictionContact {
         if motion.displacement.iter().any(|w| !w.is_finite()) {
             return Err(LawError::NotFinite);
         }
-        let Buffers { period, regime } = buffers;
+        let Buffers { period, regime, .. } = buffers;
         let (tangential, normal) = force.split_at_mut(D * samples);
         let approach = motion.displacement_of(D);
         period.loads.clear();
@@ -133,7 +138,7 @@ impl FrictionContact {
         workspace: &mut dyn JointWorkspace,
         derivative: &mut [f64],
     ) {
-        let Some(Buffers { period, regime }) = workspace.as_any_mut().downcast_mut::<Buffers<D>>() else {
+        let Some(Buffers { period, regime, .. }) = workspace.as_any_mut().downcast_mut::<Buffers<D>>() else {
             derivative.fill(f64::NAN);
             return;
         };
@@ -182,7 +187,11 @@ impl JointLaw for FrictionContact {
 
     fn workspace(&self, samples: usize) -> Box<dyn JointWorkspace> {
         fn buffers<const D: usize>(samples: usize) -> Box<dyn JointWorkspace> {
-            Box::new(Buffers::<D> { period: SlidingPeriod::new(samples), regime: Regime::Frictionless })
+            Box::new(Buffers::<D> {
+                period: SlidingPeriod::new(samples),
+                regime: Regime::Frictionless,
+                events: EventBuffers::default(),
+            })
         }
         if self.tangential == 1 { buffers::<1>(samples) } else { buffers::<2>(samples) }
     }
@@ -212,5 +221,38 @@ impl JointLaw for FrictionContact {
         } else {
             self.derivative_in::<2>(change, workspace, derivative);
         }
+    }
+
+    fn mechanism(&self) -> JointMechanism {
+        JointMechanism::Friction {
+            tangential_stiffness: self.stiffness,
+            friction_coefficient: self.friction,
+            normal: self.normal.spring(),
+        }
+    }
+
+    /// In one tangential direction.
+    fn piecewise_linear(&self) -> Option<&dyn JointPiecewiseLinear> {
+        (self.tangential == 1).then_some(self)
+    }
+}
+
+impl JointPiecewiseLinear for FrictionContact {
+    fn couplings(&self) -> Vec<Coupling> {
+        couplings()
+    }
+
+    fn pieces(
+        &self,
+        motion: &JointMotion,
+        workspace: &mut dyn JointWorkspace,
+        couplings: &mut [Coupling],
+    ) -> Result<JointMarks, LawError> {
+        let buffers = workspace.as_any_mut().downcast_mut::<Buffers<1>>().ok_or(LawError::OtherWorkspace)?;
+        if motion.directions != 2 {
+            return Err(LawError::OtherWorkspace);
+        }
+        let Self { stiffness, friction, ref normal, .. } = *self;
+        FrictionEvents { stiffness, friction, normal }.pieces(motion, &mut buffers.events, couplings)
     }
 }

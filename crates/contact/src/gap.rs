@@ -2,14 +2,15 @@
 
 use std::f64::consts::TAU;
 
+use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{LawError, ParameterError};
 use crate::events::{ForcePiece, PiecewiseLinear, crossing};
 use crate::law::{ContactState, Law, Marks, Motion, Nature, Workspace};
 use crate::mechanism::{Mechanism, UnilateralSpring};
-use crate::path::{Path, SampledPath};
 use crate::tangent::Tangent;
+use crate::turning_points::{TurningPoint, TurningPoints};
 
 /// Parameters of [`Gap`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -135,34 +136,49 @@ impl PiecewiseLinear for Gap {
             }
             found => found?,
         }
-        let path = SampledPath::new(motion, tips);
-        let (top, bottom) = (path.tip(0), path.tip(path.lowest()));
-        if top <= self.gap || bottom >= self.gap {
-            let touches = top > self.gap;
-            pieces.extend(touches.then(|| closed(0.0, TAU)));
-            return Ok(Self::marks(touches, touches));
-        }
-        let (mut first_end, mut begin) = (0.0, None);
-        for r in 0..path.count() {
-            let (start, mut end) = (path.point(r), path.point(r + 1));
-            if r + 1 == path.count() {
-                end.tau += TAU;
-            }
-            let (from, to) = (start.displacement, end.displacement);
-            if (from > self.gap) == (to > self.gap) {
-                continue;
-            }
-            let tau = crossing(motion.spectrum, start, end, (self.gap - from, to - from), false);
-            if to > self.gap {
-                begin = Some(tau);
-            } else if let Some(begin) = begin.take() {
-                pieces.push(closed(begin, tau));
-            } else {
-                first_end = tau;
-            }
-        }
-        // The contact at the end of the period is the one that it began with.
-        pieces.extend(begin.map(|begin| closed(begin, first_end + TAU)));
-        Ok(Self::marks(true, false))
+        let always =
+            closed_stretches(motion.spectrum, tips, self.gap, |from, to| pieces.push(closed(from, to)));
+        Ok(Self::marks(!pieces.is_empty(), always))
     }
+}
+
+/// Calls `visit` with the phases between which the displacement lies above `level`, in the order of time from the global
+/// maximum; the last stretch may be the one that the period began in. Whether it lies there always.
+pub(crate) fn closed_stretches(
+    spectrum: &[Complex64],
+    tips: &TurningPoints,
+    level: f64,
+    mut visit: impl FnMut(f64, f64),
+) -> bool {
+    let points = tips.points();
+    let (Some(top), Some(bottom)) = (points.first(), points.get(tips.lowest())) else { return false };
+    if top.displacement <= level {
+        return false;
+    }
+    if bottom.displacement >= level {
+        visit(0.0, TAU);
+        return true;
+    }
+    let again = TurningPoint { tau: top.tau + TAU, ..*top };
+    let ends = points.iter().skip(1).chain(std::iter::once(&again));
+    let (mut first_end, mut begin) = (0.0, None);
+    for (start, end) in points.iter().zip(ends) {
+        let (from, to) = (start.displacement, end.displacement);
+        if (from > level) == (to > level) {
+            continue;
+        }
+        let tau = crossing(spectrum, *start, *end, (level - from, to - from), false);
+        if to > level {
+            begin = Some(tau);
+        } else if let Some(begin) = begin.take() {
+            visit(begin, tau);
+        } else {
+            first_end = tau;
+        }
+    }
+    // The contact at the end of the period is the one that it began with.
+    if let Some(begin) = begin {
+        visit(begin, first_end + TAU);
+    }
+    false
 }

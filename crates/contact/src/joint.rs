@@ -10,6 +10,7 @@ use std::fmt;
 use num_complex::Complex64;
 
 use crate::error::LawError;
+use crate::events::ForcePiece;
 use crate::law::ContactState;
 use crate::mechanism::JointMechanism;
 
@@ -129,8 +130,43 @@ pub trait JointLaw: Send + Sync + fmt::Debug {
         derivative: &mut [f64],
     );
 
+    /// The forces by their events, where they are piecewise linear in the displacements.
+    fn piecewise_linear(&self) -> Option<&dyn JointPiecewiseLinear> {
+        None
+    }
+
     /// What moves the joint in time, for those who integrate motions.
     fn mechanism(&self) -> JointMechanism {
         JointMechanism::None { why: "its forces at an instant depend on the whole period" }
     }
+}
+
+/// What the displacement in one direction does to the force in one direction, in pieces: the force is the sum over all pieces
+/// of all couplings, with `w` of a piece the displacement in `displacement`, and its memory recalls that displacement too.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coupling {
+    /// Direction of the force.
+    pub force: usize,
+    /// Direction of the displacement.
+    pub displacement: usize,
+    /// One period of it.
+    pub pieces: Vec<ForcePiece>,
+}
+
+/// A joint law whose forces are piecewise linear in the displacements; see [`crate::PiecewiseLinear`].
+pub trait JointPiecewiseLinear {
+    /// The couplings that there can be, without pieces.
+    fn couplings(&self) -> Vec<Coupling>;
+
+    /// The pieces of one period of `motion`, into the couplings that [`JointPiecewiseLinear::couplings`] gave. Only spectra
+    /// and velocity samples of the motion are used.
+    ///
+    /// # Errors
+    /// [`LawError`] when the motion has no force under this law.
+    fn pieces(
+        &self,
+        motion: &JointMotion,
+        workspace: &mut dyn JointWorkspace,
+        couplings: &mut [Coupling],
+    ) -> Result<JointMarks, LawError>;
 }

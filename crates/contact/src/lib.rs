@@ -44,6 +44,7 @@ mod error;
 mod events;
 mod family_curve;
 mod friction_contact;
+mod friction_events;
 mod gap;
 pub mod identification;
 mod iwan;
@@ -61,6 +62,7 @@ mod normal_contact;
 mod partials;
 mod path;
 mod place;
+mod play;
 mod polygon;
 mod real;
 mod scaled_loop;
@@ -80,7 +82,9 @@ pub use events::{ForcePiece, PiecewiseLinear};
 pub use friction_contact::{FrictionContact, FrictionContactParameters};
 pub use gap::{Gap, GapParameters};
 pub use iwan::{Iwan, IwanParameters};
-pub use joint::{JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace};
+pub use joint::{
+    Coupling, JointChange, JointLaw, JointMarks, JointMotion, JointPiecewiseLinear, JointWorkspace,
+};
 pub use law::{ContactState, DescribingFunction, FirstHarmonic, Law, Marks, Motion, Nature, Workspace};
 pub use linear::{Linear, LinearParameters};
 pub use loaded_loop::LoadedLoop;

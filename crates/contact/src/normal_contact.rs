@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::ParameterError;
+use crate::mechanism::UnilateralSpring;
 
 /// Parameters of [`NormalContact`]: exactly one of `preload` and `gap`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -87,12 +88,34 @@ impl NormalContact {
         }
     }
 
+    /// The approach in m at which the bodies touch.
+    pub(crate) fn touching_at(&self) -> f64 {
+        match self.rest {
+            Rest::Preload(preload) => -preload / self.stiffness,
+            Rest::Gap(gap) => gap,
+        }
+    }
+
+    /// The part of N in N that the equilibrium balances: f_n is the rest.
+    pub(crate) fn balanced(&self) -> f64 {
+        match self.rest {
+            Rest::Preload(preload) => preload,
+            Rest::Gap(_) => 0.0,
+        }
+    }
+
+    /// The same for those who integrate motions.
+    pub fn spring(&self) -> UnilateralSpring {
+        let (pressure_at_zero, balanced) = match self.rest {
+            Rest::Preload(preload) => (preload, preload),
+            Rest::Gap(gap) => (-self.stiffness * gap, 0.0),
+        };
+        UnilateralSpring { stiffness: self.stiffness, pressure_at_zero, balanced }
+    }
+
     /// f_n in N for the load that [`NormalContact::load`] gave.
     pub(crate) fn force(&self, load: f64) -> f64 {
-        match self.rest {
-            Rest::Preload(preload) => load.max(0.0) - preload,
-            Rest::Gap(_) => load.max(0.0),
-        }
+        load.max(0.0) - self.balanced()
     }
 
     /// Part of the period without contact, for the loads at its samples, linear between them.

@@ -3,6 +3,7 @@
 
 mod family;
 mod friction_contact;
+mod friction_events;
 mod gap;
 mod iwan;
 mod loaded_loop;

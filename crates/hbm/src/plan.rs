@@ -532,8 +532,8 @@ fn check_joint(place: &str, joint: &Joint, n: usize) -> Result<(), PlanError> {
             return error(&place, format!("names dof {dof} twice"));
         }
         let (length, stiffness) = (joint.law.length(d), joint.law.stiffness(d));
-        if !(length > 0.0 && length.is_finite() && stiffness >= 0.0 && stiffness.is_finite()) {
-            let problem = format!("its law has no length ({length} m) or stiffness ({stiffness} N/m)");
+        if !(length >= 0.0 && length.is_finite() && stiffness >= 0.0 && stiffness.is_finite()) {
+            let problem = format!("its law has a length of {length} m and a stiffness of {stiffness} N/m");
             return error(&place, problem);
         }
     }

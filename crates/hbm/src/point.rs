@@ -257,8 +257,13 @@ impl Point {
         }
         let held = self.held.contacts.len();
         for (joint, rows) in joint_rows(contacts.len() - held, joints) {
+            let moved =
+                |row: usize| (0..slots).map(|s| self.free[s * width + row].magnitude()).fold(0.0, f64::max);
+            let farthest = rows.clone().map(moved).fold(0.0, f64::max);
             for (direction, row) in rows.enumerate() {
-                let length = joint.law.length(direction);
+                // Bodies that just touch, or slide without friction, have no length of their own.
+                let own = joint.law.length(direction);
+                let length = [own, moved(row), farthest].into_iter().find(|x| *x > 0.0).unwrap_or(1.0);
                 let force = joint.law.stiffness(direction) * length * joint.scale;
                 self.length[row] = length;
                 self.force[row] = if force > 0.0 { force } else { 1.0 };

@@ -2,20 +2,24 @@
 
 use num_complex::Complex64;
 
+use crate::links::Elastic;
 use crate::scaled::Scaled;
 
-/// `H_k` with the given stiffness of every contact, row by row.
-pub(crate) fn matrix(system: &Scaled, k: usize, contacts: &[f64]) -> Vec<Complex64> {
+/// `H_k` with the given stiffness of every link, row by row.
+pub(crate) fn matrix(system: &Scaled, k: usize, links: &[Elastic]) -> Vec<Complex64> {
     let (n, k) = (system.dofs, k as f64);
     let entries = system.stiffness.iter().zip(&system.mass).zip(&system.damping);
     let mut h: Vec<Complex64> = entries
         .map(|((stiffness, mass), damping)| Complex64::new(stiffness - k * k * mass, k * damping))
         .collect();
-    for (joint, stiffness) in system.joints.iter().zip(contacts) {
-        for &(i, beta) in &joint.ends {
-            for &(j, other) in &joint.ends {
-                if let Some(entry) = h.get_mut(i * n + j) {
-                    *entry += stiffness * beta * other;
+    for ((link, elastic), c) in system.links.iter().zip(links).zip(0..) {
+        for (other, stiffness) in elastic.parts(c) {
+            let Some(other) = system.links.get(other) else { continue };
+            for &(i, beta) in &link.ends {
+                for &(j, factor) in &other.ends {
+                    if let Some(entry) = h.get_mut(i * n + j) {
+                        *entry += stiffness * beta * factor;
+                    }
                 }
             }
         }

@@ -15,15 +15,15 @@ pub enum OrbitError {
         /// Why, and what to do about it.
         why: &'static str,
     },
-    /// Sliders are followed by their events, smooth forces by an integrator; not both at once.
+    /// Sliders and contacts that open are followed by their events, smooth forces by an integrator; not both at once.
     #[error(
-        "no exact orbit of contact \"{smooth}\" (a smooth law) together with contact \"{sliders}\" (sliders): leave \
-         one of them out, or replace it by a linear spring"
+        "no exact orbit of contact \"{smooth}\" (a smooth law) together with contact \"{sliders}\" (sliders, or a \
+         contact that opens): leave one of them out, or replace it by a linear spring"
     )]
     Mixed {
         /// Name of a contact with a smooth law.
         smooth: String,
-        /// Name of a contact with sliders.
+        /// Name of a contact with sliders or of one that opens.
         sliders: String,
     },
     /// A matrix has the wrong size.
@@ -64,6 +64,16 @@ pub enum OrbitError {
         contact: String,
         /// What was given.
         scale: f64,
+    },
+    /// A joint has more or fewer directions than its law.
+    #[error("joint \"{joint}\" has {given} directions, but its law has {expected}")]
+    Directions {
+        /// Name of the joint.
+        joint: String,
+        /// As given.
+        given: usize,
+        /// As the law has.
+        expected: usize,
     },
     /// Static response is no orbit.
     #[error("the frequency must be positive, got {frequency} Hz")]
@@ -108,6 +118,17 @@ pub enum OrbitError {
         periods: usize,
         /// Steps of Newton's method, all attempts together.
         iterations: usize,
+    },
+    /// The motion repeats, but only after several periods of the excitation.
+    #[error(
+        "the motion repeats only after {periods} periods of the excitation (to {closure:.1e} of its size): it is \
+         subharmonic, and no orbit of one period was found beside it"
+    )]
+    Subharmonic {
+        /// Periods of the excitation in one of the motion.
+        periods: usize,
+        /// Relative difference of the motion after as many periods.
+        closure: f64,
     },
     /// The motion grows without limit.
     #[error(

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::error::OrbitError;
 use crate::orbit::Orbit;
-use crate::path::PhaseEvent;
+use crate::path::{Element, PhaseEvent};
 use crate::piecewise::Piecewise;
 use crate::scaled::Scaled;
 use crate::settings::{Event, Settings};
@@ -38,10 +38,7 @@ pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbi
         let (periods, iterations) = (closed.periods, closed.iterations);
         return Err(OrbitError::NotClosed { closure, periods, iterations });
     }
-    if !system.sliders.is_empty() && path.events.is_empty() {
-        return Err(OrbitError::Stuck);
-    }
-    Ok(Orbit {
+    let orbit = Orbit {
         events: path.events.iter().filter_map(|event| physical(&system, event)).collect(),
         state: closed.state,
         closure,
@@ -50,7 +47,9 @@ pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbi
         tolerance: settings.tolerance,
         path,
         system,
-    })
+    };
+    let stuck = orbit.events.is_empty() && !orbit.locked_sliders().is_empty();
+    if stuck { Err(OrbitError::Stuck) } else { Ok(orbit) }
 }
 
 fn weights(map: &dyn Map, passage: Passage) -> Vec<f64> {
@@ -60,12 +59,17 @@ fn weights(map: &dyn Map, passage: Passage) -> Vec<f64> {
 }
 
 fn physical(system: &Scaled, event: &PhaseEvent) -> Option<Event> {
-    let contact = system.sliders.get(event.slider)?.contact;
-    let first = system.joints.get(contact)?.sliders.start;
+    let (contact, slider) = match event.element {
+        Element::Slider(slider) => {
+            let contact = system.sliders.get(slider)?.contact;
+            (contact, slider - system.links.get(contact)?.sliders.start)
+        }
+        Element::Press(press) => (system.presses.get(press)?.contact, 0),
+    };
     Some(Event {
         time: event.tau / system.omega,
         contact,
-        slider: event.slider - first,
+        slider,
         kind: event.kind,
         direction: event.direction,
     })
@@ -73,7 +77,8 @@ fn physical(system: &Scaled, event: &PhaseEvent) -> Option<Event> {
 
 /// The state to start from without dimensions.
 fn start(system: &Scaled, settings: &Settings) -> Result<Vec<f64>, OrbitError> {
-    let (n, sliders) = (system.dofs, system.sliders.len());
+    let n = system.dofs;
+    let sliders = system.sliders.len() + system.frictions().count();
     let Some(state) = &settings.start else { return Ok(vec![0.0; 2 * n + sliders]) };
     for (what, given, expected) in [
         ("displacements", state.displacement.len(), n),
@@ -91,6 +96,9 @@ fn start(system: &Scaled, settings: &Settings) -> Result<Vec<f64>, OrbitError> {
     out.extend(weighed(&state.velocity, system.size * system.omega));
     let forces = state.sliders.iter().zip(&system.sliders);
     out.extend(forces.map(|(force, slider)| (force / (slider.limit * system.force())).clamp(-1.0, 1.0)));
+    // Friction is cut to what the pressure allows where the motion begins.
+    let pulls = state.sliders.iter().skip(system.sliders.len()).zip(system.frictions());
+    out.extend(pulls.map(|(force, (_, _, friction))| force / (friction.stiffness * system.force())));
     if out.iter().all(|x| x.is_finite()) {
         Ok(out)
     } else {

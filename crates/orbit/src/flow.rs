@@ -1,20 +1,24 @@
 //! Motion of a piecewise-linear system: the exponential series of the current linear system, step by step, from event
 //! to event.
 //!
-//! While a set of sliders sticks the system is linear,
+//! While a set of sliders sticks and a set of contacts is closed the system is linear,
 //!
 //! ```text
-//! M̃ y'' + D̃ y' + (K̃ + Σ_c k_c β_c β_cᵀ) y = load(τ) − Σ_c β_c constant_c
+//! M̃ y'' + D̃ y' + (K̃ + Σ_c β_c (k_c β_cᵀ + κ_c β_nᵀ)) y = load(τ) − Σ_c β_c constant_c
 //! ```
 //!
-//! with k_c the stiffness of contact c's spring and sticking sliders. Its solution over a step of at most one radian of
+//! with k_c the stiffness of contact c's spring and sticking sliders, and κ_c = ±μk_n while a joint slips under the
+//! pressure of its normal direction n. Its solution over a step of at most one radian of
 //! the fastest motion is a Taylor series of [`TERMS`] terms, exact to rounding; that is the matrix exponential, and
 //! unlike eigenvectors it does not care about rigid-body modes, critical damping or resonance. Events are sign changes
 //! of polynomials, none of which can be missed.
 
 use crate::error::OrbitError;
-use crate::path::{Path, PhaseEvent, Piece};
+use crate::links::Elastic;
+use crate::opening;
+use crate::path::{Element, Path, PhaseEvent, Piece};
 use crate::polynomial::{Polynomial, TERMS, derivative, divided_by_s, root, sign_changes, value};
+use crate::press::{Change, Touch};
 use crate::scaled::{Scaled, add_product, row_norm};
 use crate::settings::EventKind;
 use crate::tangents::Tangents;
@@ -38,15 +42,19 @@ pub(crate) struct Flow<'a> {
     pub(crate) y: Vec<f64>,
     pub(crate) v: Vec<f64>,
     pub(crate) sliders: Vec<Motion>,
+    /// What every contact that opens does.
+    pub(crate) touches: Vec<Touch>,
+    /// Of every contact that opens, the direction in which slip has just ended.
+    pub(crate) turned: Vec<Option<f64>>,
     tau: f64,
     /// The velocity of a contact is zero by definition: an event has just found it there.
     zero: Vec<bool>,
-    /// (stiffness, constant) of every contact.
-    elastic: Vec<(f64, f64)>,
+    /// Of every link.
+    elastic: Vec<Elastic>,
     /// Directions of the contacts at the begin of the step.
     directions: Vec<f64>,
-    coefficients: Vec<f64>,
-    roots: Vec<f64>,
+    pub(crate) coefficients: Vec<f64>,
+    pub(crate) roots: Vec<f64>,
     structure: (f64, f64),
     /// Largest |y| and |v| on the way.
     pub(crate) peak: (f64, f64),
@@ -54,25 +62,29 @@ pub(crate) struct Flow<'a> {
 
 /// The next event in a step.
 #[derive(Debug, Clone, Copy)]
-enum Next {
+pub(crate) enum Next {
     /// The sliders of a contact that slip stick.
     Stick { contact: usize },
     /// A slider begins to slip.
     Slip { slider: usize, direction: f64 },
+    /// A contact that can open changes.
+    Touch { press: usize, change: Change },
 }
 
 impl<'a> Flow<'a> {
     /// The system at τ = 0 with the given y, y' and slider forces in units of their limits.
     pub(crate) fn new(system: &'a Scaled) -> Self {
-        let (n, contacts) = (system.dofs, system.joints.len());
+        let (n, contacts) = (system.dofs, system.links.len());
         Self {
             system,
             y: vec![0.0; n],
             v: vec![0.0; n],
             sliders: vec![Motion::Stick { offset: 0.0 }; system.sliders.len()],
+            touches: vec![Touch::Apart; system.presses.len()],
+            turned: vec![None; system.presses.len()],
             tau: 0.0,
             zero: vec![false; contacts],
-            elastic: vec![(0.0, 0.0); contacts],
+            elastic: vec![Elastic::default(); contacts],
             directions: vec![0.0; contacts],
             coefficients: vec![0.0; TERMS * n],
             roots: Vec::new(),
@@ -81,7 +93,7 @@ impl<'a> Flow<'a> {
         }
     }
 
-    /// Begins at τ = 0 in the state (y, y', forces / limits).
+    /// Begins at τ = 0 in the state (y, y', forces / limits of sliders, elongations of the springs of sliding presses).
     pub(crate) fn begin(&mut self, state: &[f64]) {
         let n = self.system.dofs;
         let (y, rest) = state.split_at(n.min(state.len()));
@@ -89,9 +101,18 @@ impl<'a> Flow<'a> {
         self.y.copy_from_slice(y);
         self.v.copy_from_slice(v);
         for ((motion, slider), force) in self.sliders.iter_mut().zip(&self.system.sliders).zip(forces) {
-            let u = self.system.joints.get(slider.contact).map_or(0.0, |joint| joint.relative(&self.y));
+            let u = self.system.links.get(slider.contact).map_or(0.0, |link| link.relative(&self.y));
             *motion = Motion::Stick { offset: force.clamp(-1.0, 1.0) - slider.gain * u };
         }
+        let system = self.system;
+        let pulls = forces.get(self.sliders.len()..).unwrap_or_default();
+        for (press, index) in system.presses.iter().zip(0..) {
+            let pull = system.friction_index(index).and_then(|at| pulls.get(at)).copied().unwrap_or(0.0);
+            if let Some(touch) = self.touches.get_mut(index) {
+                *touch = opening::begin(press, &system.links, &self.y, pull);
+            }
+        }
+        self.turned.fill(None);
         self.tau = 0.0;
         self.zero.fill(false);
         self.peak = (0.0, 0.0);
@@ -108,10 +129,15 @@ impl<'a> Flow<'a> {
                 Motion::Stick { offset } => offset + slider.gain * self.relative(slider.contact),
             });
         }
+        for (press, touch) in self.system.presses.iter().zip(&self.touches) {
+            if press.friction.is_some() {
+                out.push(opening::pull(press, *touch, &self.system.links, &self.y));
+            }
+        }
     }
 
     fn relative(&self, contact: usize) -> f64 {
-        self.system.joints.get(contact).map_or(0.0, |joint| joint.relative(&self.y))
+        self.system.links.get(contact).map_or(0.0, |link| link.relative(&self.y))
     }
 
     /// Follows the motion until phase `until`, with its derivative and a record of it where asked for.
@@ -144,18 +170,26 @@ impl<'a> Flow<'a> {
             if step > 1e-13 {
                 without_progress = 0;
                 self.zero.fill(false);
+                self.turned.fill(None);
             } else {
                 without_progress += 1;
             }
-            if without_progress > 8 * (self.sliders.len() + 1) {
+            if without_progress > 8 * (self.sliders.len() + self.touches.len() + 1) {
                 return Err(OrbitError::Chatter { time: self.tau / self.system.omega });
             }
             if !(self.y.iter().chain(&self.v).all(|x| x.abs() < 1e30)) {
                 return Err(OrbitError::Unbounded);
             }
             if let Some(next) = next {
+                let slipping = self.slipping(next);
                 let events = path.as_deref_mut().map(|path| &mut path.events);
                 self.change(next, events, tangents.as_deref_mut());
+                // Found where the slider turns: its velocity is zero by definition.
+                if let (Next::Touch { press, change: Change::Stick }, Some(direction)) = (next, slipping)
+                    && let Some(turned) = self.turned.get_mut(press)
+                {
+                    *turned = Some(direction);
+                }
             }
         }
         Err(OrbitError::Chatter { time: self.tau / self.system.omega })
@@ -170,7 +204,7 @@ impl<'a> Flow<'a> {
     ) -> f64 {
         let mut length = self.series(until);
         // Every pass changes the state of a slider, whose contact has one direction: twice as many passes suffice.
-        for _ in 0..2 * self.sliders.len() + 1 {
+        for _ in 0..2 * self.sliders.len() + 4 * self.touches.len() + 1 {
             for c in 0..self.directions.len() {
                 let direction = self.direction(c);
                 if let Some(slot) = self.directions.get_mut(c) {
@@ -180,6 +214,12 @@ impl<'a> Flow<'a> {
             let mut changed = false;
             for slider in 0..self.sliders.len() {
                 if let Some(next) = self.at_once(slider) {
+                    self.change(next, events.as_deref_mut(), tangents.as_deref_mut());
+                    changed = true;
+                }
+            }
+            for press in 0..self.touches.len() {
+                if let Some(next) = self.press_at_once(press) {
                     self.change(next, events.as_deref_mut(), tangents.as_deref_mut());
                     changed = true;
                 }
@@ -209,18 +249,21 @@ impl<'a> Flow<'a> {
 
     /// Coefficients of y over the longest allowed step; returns its length.
     fn series(&mut self, until: f64) -> f64 {
-        for ((elastic, joint), c) in self.elastic.iter_mut().zip(&self.system.joints).zip(0..) {
-            *elastic = (joint.spring, 0.0);
+        for ((elastic, link), c) in self.elastic.iter_mut().zip(&self.system.links).zip(0..) {
+            *elastic = Elastic { stiffness: link.spring, ..Elastic::default() };
             let own = self.sliders.iter().zip(&self.system.sliders).filter(|(_, data)| data.contact == c);
             for (motion, data) in own {
                 match motion {
                     Motion::Stick { offset } => {
-                        elastic.0 += data.stiffness;
-                        elastic.1 += data.limit * offset;
+                        elastic.stiffness += data.stiffness;
+                        elastic.constant += data.limit * offset;
                     }
-                    Motion::Slip { direction } => elastic.1 += data.limit * direction,
+                    Motion::Slip { direction } => elastic.constant += data.limit * direction,
                 }
             }
+        }
+        for (press, touch) in self.system.presses.iter().zip(&self.touches) {
+            opening::set_elastic(press, *touch, &mut self.elastic);
         }
         let length = (1.0 / self.fastest()).min(until - self.tau);
         let n = self.system.dofs;
@@ -234,9 +277,9 @@ impl<'a> Flow<'a> {
             set(&mut self.coefficients, i, *y);
             set(&mut self.coefficients, n + i, length * v);
         }
-        for (joint, (_, constant)) in self.system.joints.iter().zip(&self.elastic) {
+        for (link, Elastic { constant, .. }) in self.system.links.iter().zip(&self.elastic) {
             if let Some(row) = self.coefficients.get_mut(2 * n..3 * n) {
-                for (row, acceleration) in row.iter_mut().zip(&joint.acceleration) {
+                for (row, acceleration) in row.iter_mut().zip(&link.acceleration) {
                     *row -= length * length * constant * acceleration;
                 }
             }
@@ -248,9 +291,12 @@ impl<'a> Flow<'a> {
     /// A bound on the rate of the fastest motion: r² = ‖M̃⁻¹D̃‖ r + ‖M̃⁻¹K̃_c‖, and the highest load.
     fn fastest(&self) -> f64 {
         let (damping, mut stiffness) = self.structure;
-        for (joint, (k, _)) in self.system.joints.iter().zip(&self.elastic) {
-            let row = joint.acceleration.iter().fold(0.0_f64, |top, a| top.max(a.abs()));
-            stiffness += k * row * joint.ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>();
+        for ((link, elastic), c) in self.system.links.iter().zip(&self.elastic).zip(0..) {
+            let row = link.acceleration.iter().fold(0.0_f64, |top, a| top.max(a.abs()));
+            for (other, k) in elastic.parts(c) {
+                let ends = self.system.links.get(other).map_or(&[][..], |link| &link.ends);
+                stiffness += k.abs() * row * ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>();
+            }
         }
         let rate = 0.5 * (damping + (damping * damping + 4.0 * stiffness).sqrt());
         let highest = self.system.loads.iter().map(|load| load.harmonic).max().unwrap_or(1);
@@ -260,10 +306,10 @@ impl<'a> Flow<'a> {
     /// The relative velocity of a contact over the step, times its length; s times less where it begins at zero by
     /// definition.
     fn velocity(&self, contact: usize) -> (Polynomial, Polynomial) {
-        let Some(joint) = self.system.joints.get(contact) else { return ([0.0; TERMS], [0.0; TERMS]) };
+        let Some(link) = self.system.links.get(contact) else { return ([0.0; TERMS], [0.0; TERMS]) };
         let mut u = [0.0; TERMS];
         for (u, row) in u.iter_mut().zip(self.coefficients.chunks_exact(self.system.dofs)) {
-            *u = joint.relative(row);
+            *u = link.relative(row);
         }
         let mut rate = derivative(&u);
         let defined = self.zero.get(contact).copied().unwrap_or(false);
@@ -291,8 +337,8 @@ impl<'a> Flow<'a> {
     fn next_event(&mut self) -> (f64, Option<Next>) {
         let (mut earliest, mut next) = (1.0, None);
         let mut roots = std::mem::take(&mut self.roots);
-        for (c, joint) in self.system.joints.iter().enumerate() {
-            if joint.sliders.is_empty() {
+        for (c, link) in self.system.links.iter().enumerate() {
+            if link.sliders.is_empty() {
                 continue;
             }
             let (u, rate) = self.velocity(c);
@@ -306,7 +352,7 @@ impl<'a> Flow<'a> {
                 }
                 // From `start` to `end` the contact moves in one direction.
                 let stop = end.min(1.0);
-                let slip = joint.sliders.clone().filter_map(|slider| {
+                let slip = link.sliders.clone().filter_map(|slider| {
                     let level = self.limit(slider, direction)?;
                     (direction * (value(&u, stop) - level) > 0.0).then_some((slider, level))
                 });
@@ -319,7 +365,7 @@ impl<'a> Flow<'a> {
                     break;
                 }
                 let comes_first = end < earliest || (end <= 1.0 && next.is_none());
-                if comes_first && joint.sliders.clone().any(|slider| self.slips(slider)) {
+                if comes_first && link.sliders.clone().any(|slider| self.slips(slider)) {
                     (earliest, next) = (end, Some(Next::Stick { contact: c }));
                     break;
                 }
@@ -327,7 +373,19 @@ impl<'a> Flow<'a> {
             }
         }
         self.roots = roots;
-        (earliest, next)
+        match self.next_of_presses() {
+            Some((s, touch)) if s < earliest || next.is_none() => (s, Some(touch)),
+            _ => (earliest, next),
+        }
+    }
+
+    /// The direction in which the contact slips that is about to change.
+    fn slipping(&self, next: Next) -> Option<f64> {
+        let Next::Touch { press, .. } = next else { return None };
+        match self.touches.get(press)? {
+            Touch::Slip { direction } => Some(*direction),
+            _ => None,
+        }
     }
 
     fn slips(&self, slider: usize) -> bool {
@@ -364,14 +422,19 @@ impl<'a> Flow<'a> {
         mut events: Option<&mut Vec<PhaseEvent>>,
         mut tangents: Option<&mut Tangents>,
     ) {
+        if let Next::Touch { press, change } = next {
+            self.change_touch((press, change), events, tangents);
+            return;
+        }
         let tau = self.tau;
         let mut note = |slider: usize, kind: EventKind, direction: f64| {
             if let Some(events) = events.as_deref_mut() {
                 let direction = if direction > 0.0 { 1 } else { -1 };
-                events.push(PhaseEvent { tau, slider, kind, direction });
+                events.push(PhaseEvent { tau, element: Element::Slider(slider), kind, direction });
             }
         };
         match next {
+            Next::Touch { .. } => {}
             Next::Slip { slider, direction } => {
                 if let Some(motion) = self.sliders.get_mut(slider) {
                     *motion = Motion::Slip { direction };
@@ -383,7 +446,7 @@ impl<'a> Flow<'a> {
             }
             Next::Stick { contact } => {
                 let u = self.relative(contact);
-                let own = self.system.joints.get(contact).map_or(0..0, |joint| joint.sliders.clone());
+                let own = self.system.links.get(contact).map_or(0..0, |link| link.sliders.clone());
                 if let Some(zero) = self.zero.get_mut(contact) {
                     *zero = true;
                 }
@@ -417,15 +480,20 @@ impl<'a> Flow<'a> {
         path.pieces.push(Piece { start, length, coefficients, elastic: self.elastic.clone() });
     }
 
-    /// (stiffness, constant) of every contact in this step.
-    pub(crate) fn elastic(&self) -> &[(f64, f64)] {
+    /// Of every link in this step.
+    pub(crate) fn elastic(&self) -> &[Elastic] {
         &self.elastic
+    }
+
+    /// The present phase.
+    pub(crate) fn tau(&self) -> f64 {
+        self.tau
     }
 }
 
 /// The recursion of the series: `(j+1)(j+2) c_{j+2} = source_j − length² K c_j − length (j+1) D c_{j+1}`, K with the
 /// contacts' stiffnesses. c_0, c_1 and, in place of the others, the sources are given.
-pub(crate) fn recur(system: &Scaled, elastic: &[(f64, f64)], length: f64, coefficients: &mut [f64]) {
+pub(crate) fn recur(system: &Scaled, elastic: &[Elastic], length: f64, coefficients: &mut [f64]) {
     let n = system.dofs;
     for j in 0..TERMS - 2 {
         let Some((known, next)) = coefficients.split_at_mut_checked((j + 2) * n) else { return };
@@ -436,9 +504,9 @@ pub(crate) fn recur(system: &Scaled, elastic: &[(f64, f64)], length: f64, coeffi
         };
         add_product(&system.stiffness_rate, c, -length * length, next);
         add_product(&system.damping_rate, c1, -length * (j + 1) as f64, next);
-        for (joint, (stiffness, _)) in system.joints.iter().zip(elastic) {
-            let pull = length * length * stiffness * joint.relative(c);
-            for (next, acceleration) in next.iter_mut().zip(&joint.acceleration) {
+        for ((link, elastic), own) in system.links.iter().zip(elastic).zip(0..) {
+            let pull = length * length * elastic.pull(own, &system.links, c);
+            for (next, acceleration) in next.iter_mut().zip(&link.acceleration) {
                 *next -= pull * acceleration;
             }
         }

@@ -15,7 +15,7 @@ impl Orbit {
     /// Φ = ∂x(T)/∂x(0), square, by the variational equation along the orbit and jumps at its events (not by differences).
     ///
     /// The state x is laid out as [`crate::State`]: displacements of all n dofs in m, their velocities in m/s, then the
-    /// spring force in N of every slider, contact by contact. An entry (i, j) has the unit of x_i over that of x_j.
+    /// spring force in N of every slider, contact by contact and then joint by joint. An entry (i, j) has the unit of x_i over that of x_j.
     /// A slider that slips at t = 0 has a force that is no freedom of its own: its column is zero. One that never slips
     /// keeps what it is given and has a multiplier of exactly 1.
     ///
@@ -61,6 +61,7 @@ impl Orbit {
         let displacements = system.root_mass.iter().map(length);
         let velocities = system.root_mass.iter().map(|root| length(root) * system.omega);
         let forces = system.sliders.iter().map(|slider| slider.limit * system.force());
-        displacements.chain(velocities).chain(forces).collect()
+        let pulls = system.frictions().map(|(_, _, friction)| friction.stiffness * system.force());
+        displacements.chain(velocities).chain(forces).chain(pulls).collect()
     }
 }

@@ -39,8 +39,8 @@ impl Orbit {
     /// thousandth of what loads and structure exchange back and forth where hardly anything is dissipated.
     pub fn energy_error(&self) -> f64 {
         let (supplied, viscous, exchanged) = work(&self.system, &self.path);
-        let contacts = (0..self.system.joints.len()).map(|c| dissipation(&self.system, &self.path, c));
-        let dissipated = viscous + contacts.sum::<f64>();
+        let links = (0..self.system.links.len()).map(|c| dissipation(&self.system, &self.path, c));
+        let dissipated = viscous + links.sum::<f64>();
         let size = supplied.abs().max(dissipated.abs()).max(1e-3 * exchanged);
         if size > 0.0 { (supplied - dissipated).abs() / size } else { 0.0 }
     }
@@ -64,9 +64,16 @@ impl Orbit {
     /// by periodicity: it is the one of the symmetric orbit where loads and laws are odd, else what it has come to on
     /// the way from the start.
     pub fn locked_sliders(&self) -> Vec<(usize, usize)> {
-        let contacts = self.system.joints.iter().enumerate();
-        contacts
-            .flat_map(|(c, joint)| (0..joint.sliders.len()).map(move |slider| (c, slider)))
+        let contacts = self.system.links.iter().enumerate();
+        let sliders = contacts.flat_map(|(c, link)| (0..link.sliders.len()).map(move |slider| (c, slider)));
+        // Without events a contact that opens sticks all the time where it sticks at the begin.
+        let begin = self.path.pieces.first();
+        let sticks = |link: usize| {
+            begin.and_then(|piece| piece.elastic.get(link)).is_some_and(|elastic| elastic.stiffness > 0.0)
+        };
+        let frictions = self.system.frictions().filter(|(_, _, friction)| sticks(friction.link));
+        sliders
+            .chain(frictions.map(|(_, press, _)| (press.contact, 0)))
             .filter(|&(c, slider)| {
                 !self.events.iter().any(|event| (event.contact, event.slider) == (c, slider))
             })
@@ -148,14 +155,18 @@ impl Orbit {
             entries.map(|(x, root)| x * unit / root).collect()
         };
         let forces = self.state.iter().skip(2 * n).zip(&self.system.sliders);
+        let pulls = self.state.iter().skip(2 * n + self.system.sliders.len()).zip(self.system.frictions());
         State {
             displacement: scaled(0, self.system.size),
             velocity: scaled(n, self.system.size * self.system.omega),
-            sliders: forces.map(|(force, slider)| force * slider.limit * self.system.force()).collect(),
+            sliders: forces
+                .map(|(force, slider)| force * slider.limit * self.system.force())
+                .chain(pulls.map(|(pull, (_, _, friction))| pull * friction.stiffness * self.system.force()))
+                .collect(),
         }
     }
 
-    fn phase(&self, t: f64) -> f64 {
+    pub(crate) fn phase(&self, t: f64) -> f64 {
         (t * self.system.omega).rem_euclid(std::f64::consts::TAU)
     }
 
@@ -176,7 +187,7 @@ fn integrate<'a>(path: &Path, x: impl Fn(&Piece) -> Along<'a>) -> f64 {
 }
 
 /// `∮ φ du`.
-fn dissipation(system: &Scaled, path: &Path, contact: usize) -> f64 {
+pub(crate) fn dissipation(system: &Scaled, path: &Path, contact: usize) -> f64 {
     integrate(path, |piece| {
         let (force, rate) = (force(system, piece, contact), relative_velocity(system, piece, contact));
         Box::new(move |s| force(s) * rate(s))

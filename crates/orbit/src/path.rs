@@ -1,7 +1,8 @@
 //! A followed period: pieces on which every displacement is a polynomial.
 
+use crate::links::{Elastic, Link};
 use crate::polynomial::{Polynomial, TERMS, derivative, value};
-use crate::scaled::{Joint, Scaled};
+use crate::scaled::Scaled;
 use crate::settings::EventKind;
 
 /// One step of the motion, τ ∈ [start, start + length], s = (τ − start)/length ∈ [0, 1].
@@ -11,15 +12,23 @@ pub(crate) struct Piece {
     pub(crate) length: f64,
     /// Coefficients of s^j, entry `[j][dof]`.
     pub(crate) coefficients: Vec<f64>,
-    /// φ = stiffness · u + constant of every contact; empty for smooth systems.
-    pub(crate) elastic: Vec<(f64, f64)>,
+    /// Of every link; empty for smooth systems.
+    pub(crate) elastic: Vec<Elastic>,
+}
+
+/// Something that has events, by its number in the system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Element {
+    Slider(usize),
+    Press(usize),
 }
 
 /// An event by its phase.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PhaseEvent {
     pub(crate) tau: f64,
-    pub(crate) slider: usize,
+    /// What changes.
+    pub(crate) element: Element,
     pub(crate) kind: EventKind,
     pub(crate) direction: i8,
 }
@@ -41,11 +50,11 @@ impl Piece {
         out
     }
 
-    /// u of a contact as a polynomial in s.
-    pub(crate) fn relative(&self, joint: &Joint, dofs: usize) -> Polynomial {
+    /// u of a link as a polynomial in s.
+    pub(crate) fn relative(&self, link: &Link, dofs: usize) -> Polynomial {
         let mut out = [0.0; TERMS];
         for (out, row) in out.iter_mut().zip(self.coefficients.chunks_exact(dofs)) {
-            *out = joint.relative(row);
+            *out = link.relative(row);
         }
         out
     }
@@ -82,21 +91,43 @@ impl Path {
 /// A function of the place s in a piece.
 pub(crate) type Along<'a> = Box<dyn Fn(f64) -> f64 + 'a>;
 
-/// Force of contact `c` along a piece, in units of the scaled system.
+/// Force of link `c` along a piece, in units of the scaled system.
 pub(crate) fn force<'a>(system: &'a Scaled, piece: &Piece, c: usize) -> Along<'a> {
-    let Some(joint) = system.joints.get(c) else { return Box::new(|_| 0.0) };
-    let u = piece.relative(joint, system.dofs);
-    if joint.smooth.is_some() {
+    let Some(link) = system.links.get(c) else { return Box::new(|_| 0.0) };
+    if link.smooth.is_some() {
+        let u = piece.relative(link, system.dofs);
         let (rate, length) = (derivative(&u), piece.length);
-        return Box::new(move |s| system.smooth(joint, value(&u, s), value(&rate, s) / length).0);
+        return Box::new(move |s| system.smooth(link, value(&u, s), value(&rate, s) / length).0);
     }
-    let (stiffness, constant) = piece.elastic.get(c).copied().unwrap_or((joint.spring, 0.0));
-    Box::new(move |s| stiffness * value(&u, s) + constant)
+    let constant = piece.elastic.get(c).map_or(0.0, |elastic| elastic.constant);
+    let change = elastic_change(system, piece, c);
+    Box::new(move |s| value(&change, s) + constant)
 }
 
-/// u' of a contact along a piece.
+/// φ' of a link with a piecewise-linear force along a piece.
+pub(crate) fn force_rate<'a>(system: &Scaled, piece: &Piece, c: usize) -> Along<'a> {
+    let (rate, length) = (derivative(&elastic_change(system, piece, c)), piece.length);
+    Box::new(move |s| value(&rate, s) / length)
+}
+
+/// What displacements contribute to the force of link `c`.
+fn elastic_change(system: &Scaled, piece: &Piece, c: usize) -> Polynomial {
+    let spring = || system.links.get(c).map_or(0.0, |link| link.spring);
+    let elastic = piece
+        .elastic
+        .get(c)
+        .copied()
+        .unwrap_or_else(|| Elastic { stiffness: spring(), ..Elastic::default() });
+    let mut out = [0.0; TERMS];
+    for (out, row) in out.iter_mut().zip(piece.coefficients.chunks_exact(system.dofs)) {
+        *out = elastic.pull(c, &system.links, row);
+    }
+    out
+}
+
+/// u' of a link along a piece.
 pub(crate) fn relative_velocity<'a>(system: &Scaled, piece: &Piece, c: usize) -> Along<'a> {
-    let Some(joint) = system.joints.get(c) else { return Box::new(|_| 0.0) };
-    let (rate, length) = (derivative(&piece.relative(joint, system.dofs)), piece.length);
+    let Some(link) = system.links.get(c) else { return Box::new(|_| 0.0) };
+    let (rate, length) = (derivative(&piece.relative(link, system.dofs)), piece.length);
     Box::new(move |s| value(&rate, s) / length)
 }

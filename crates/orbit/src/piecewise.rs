@@ -3,16 +3,19 @@
 use faer::Mat;
 
 use crate::error::OrbitError;
-use crate::flow::Flow;
-use crate::path::Path;
+use crate::flow::{Flow, Motion};
+use crate::opening;
+use crate::path::{Element, Path};
+use crate::press::Touch;
 use crate::scaled::Scaled;
+use crate::settings::EventKind;
 use crate::shooting::{Map, Passage};
 use crate::tangents::Tangents;
 
 /// Phase within which two instants are one.
 const INSTANT: f64 = 1e-12;
 
-/// States are (y, y', slider forces / limits).
+/// States are (y, y', slider forces / limits, elongations of the tangential springs of contacts that open).
 pub(crate) struct Piecewise<'a> {
     flow: Flow<'a>,
     tangents: Tangents,
@@ -34,11 +37,14 @@ impl<'a> Piecewise<'a> {
         self.flow.follow(until, None, Some(&mut path))?;
         self.flow.state(&mut end);
         // A slip that goes on from the period before does not begin at τ = 0.
-        let sliders = &self.flow.sliders;
+        let (sliders, touches) = (&self.flow.sliders, &self.flow.touches);
         path.events.retain(|event| {
             let direction = f64::from(event.direction);
-            let slipping = sliders.get(event.slider) == Some(&crate::flow::Motion::Slip { direction });
-            event.tau > INSTANT || event.kind != crate::settings::EventKind::Slip || !slipping
+            let slipping = match event.element {
+                Element::Slider(slider) => sliders.get(slider) == Some(&Motion::Slip { direction }),
+                Element::Press(press) => touches.get(press) == Some(&Touch::Slip { direction }),
+            };
+            event.tau > INSTANT || event.kind != EventKind::Slip || !slipping
         });
         Ok((path, end, Passage { peak: self.flow.peak }))
     }
@@ -78,12 +84,23 @@ impl Map for Piecewise<'_> {
         weights.extend(std::iter::repeat_n(relative(v), system.dofs));
         // A force differs by its gain times a displacement.
         weights.extend(system.sliders.iter().map(|slider| {
-            let ends = system.joints.get(slider.contact).map_or(&[][..], |joint| &joint.ends);
+            let ends = system.links.get(slider.contact).map_or(&[][..], |link| &link.ends);
             1.0 / (1.0 + slider.gain * y * ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>())
+        }));
+        weights.extend(system.frictions().map(|(_, _, friction)| {
+            let ends = system.links.get(friction.link).map_or(&[][..], |link| &link.ends);
+            relative(y * ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>())
         }));
     }
 
     fn admit(&self, state: &mut [f64]) {
-        state.iter_mut().skip(2 * self.flow.system.dofs).for_each(|force| *force = force.clamp(-1.0, 1.0));
+        let system = self.flow.system;
+        let (motion, forces) = state.split_at_mut((2 * system.dofs).min(state.len()));
+        let (sliders, pulls) = forces.split_at_mut(system.sliders.len().min(forces.len()));
+        sliders.iter_mut().for_each(|force| *force = force.clamp(-1.0, 1.0));
+        for ((_, press, _), pull) in system.frictions().zip(pulls) {
+            let touch = opening::begin(press, &system.links, motion, *pull);
+            *pull = opening::pull(press, touch, &system.links, motion);
+        }
     }
 }

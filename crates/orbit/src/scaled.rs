@@ -6,57 +6,21 @@
 //! M̃ y'' + D̃ y' + K̃ y = Re Σ_h L_h e^{ihτ} − Σ_c β_c φ_c,   u_c = β_c · y
 //! ```
 //!
-//! with `β_c = ±1/√M_ii` at the ends of contact c. Its force φ is in units of X Ω², a stiffness in units of Ω².
+//! with `β_c = ±1/√M_ii` at the ends of contact c (of any coefficients for a direction of a joint). Its force φ is in units of X Ω², a stiffness in units of Ω².
 
-use std::sync::Arc;
+use std::ops::Range;
 
-use contact::{Law, Mechanism};
+use contact::Mechanism;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use num_complex::Complex64;
 
 use crate::error::OrbitError;
+use crate::links::{Friction, Link, Press, Slider};
 use crate::system::System;
 
 /// Product of norms ‖M̃‖ ‖M̃⁻¹‖ beyond which the mass counts as singular.
 const SINGULAR: f64 = 1e13;
-
-/// A slider: elastic up to a limit.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Slider {
-    /// Contact it belongs to.
-    pub(crate) contact: usize,
-    /// k_t.
-    pub(crate) stiffness: f64,
-    /// F_s.
-    pub(crate) limit: f64,
-    /// Change of force, in units of its limit, by a unit of relative displacement.
-    pub(crate) gain: f64,
-}
-
-/// A contact.
-#[derive(Debug, Clone)]
-pub(crate) struct Joint {
-    /// β: dof and factor.
-    pub(crate) ends: Vec<(usize, f64)>,
-    /// M̃⁻¹β.
-    pub(crate) acceleration: Vec<f64>,
-    /// Stiffness of the spring beside the sliders.
-    pub(crate) spring: f64,
-    /// Its sliders among all of the system.
-    pub(crate) sliders: std::ops::Range<usize>,
-    /// Set for smooth laws.
-    pub(crate) smooth: Option<Arc<dyn Law>>,
-    /// Factor on the law's force.
-    pub(crate) scale: f64,
-}
-
-impl Joint {
-    /// Relative displacement β·y.
-    pub(crate) fn relative(&self, y: &[f64]) -> f64 {
-        self.ends.iter().map(|&(dof, factor)| factor * y.get(dof).copied().unwrap_or(0.0)).sum()
-    }
-}
 
 /// Amplitudes of one harmonic of the loads.
 #[derive(Debug, Clone)]
@@ -85,8 +49,11 @@ pub(crate) struct Scaled {
     pub(crate) damping_rate: Vec<f64>,
     pub(crate) stiffness_rate: Vec<f64>,
     pub(crate) loads: Vec<HarmonicLoad>,
-    pub(crate) joints: Vec<Joint>,
+    pub(crate) links: Vec<Link>,
     pub(crate) sliders: Vec<Slider>,
+    pub(crate) presses: Vec<Press>,
+    /// Links of every joint, one a direction.
+    pub(crate) directions: Vec<Range<usize>>,
 }
 
 impl Scaled {
@@ -111,8 +78,10 @@ impl Scaled {
             stiffness_rate: Vec::new(),
             root_mass,
             loads: Vec::new(),
-            joints: Vec::new(),
+            links: Vec::new(),
             sliders: Vec::new(),
+            presses: Vec::new(),
+            directions: Vec::new(),
         };
         let mass = Mat::from_fn(n, n, |i, j| scaled.mass.get(i * n + j).copied().unwrap_or(0.0));
         let inverse = mass.partial_piv_lu().inverse();
@@ -157,64 +126,32 @@ impl Scaled {
         Ok(())
     }
 
-    fn add_contacts(&mut self, system: &System, inverse: &Mat<f64>) -> Result<(), OrbitError> {
-        let stiffness_unit = self.omega * self.omega;
-        for (index, contact) in system.contacts.iter().enumerate() {
-            let mut ends = Vec::new();
-            for (dof, sign) in [(Some(contact.first), 1.0), (contact.second, -1.0)] {
-                if let Some((dof, root)) = dof.and_then(|dof| Some((dof, self.root_mass.get(dof)?))) {
-                    ends.push((dof, sign / root));
-                }
-            }
-            let acceleration =
-                (0..self.dofs).map(|i| ends.iter().map(|&(j, beta)| inverse[(i, j)] * beta).sum()).collect();
-            let first = self.sliders.len();
-            let (mut stiffness, mut smooth) = (0.0, None);
-            match contact.law.mechanism() {
-                Mechanism::Sliders { sliders, spring } => {
-                    stiffness = contact.scale * spring / stiffness_unit;
-                    self.sliders.extend(sliders.iter().map(|slider| {
-                        let stiffness = contact.scale * slider.stiffness() / stiffness_unit;
-                        let limit = contact.scale * slider.slip_force() / (stiffness_unit * self.size);
-                        Slider { contact: index, stiffness, limit, gain: stiffness / limit }
-                    }));
-                }
-                Mechanism::Smooth(_) => smooth = Some(contact.law.clone()),
-                Mechanism::Unilateral(_) => {
-                    let why = "a contact that opens is not followed yet";
-                    let (contact, law) = (contact.name.clone(), contact.law.name());
-                    return Err(OrbitError::NoMechanism { contact, law, why });
-                }
-                Mechanism::None { why } => {
-                    let (contact, law) = (contact.name.clone(), contact.law.name());
-                    return Err(OrbitError::NoMechanism { contact, law, why });
-                }
-            }
-            let sliders = first..self.sliders.len();
-            let spring = stiffness;
-            let scale = contact.scale;
-            self.joints.push(Joint { ends, acceleration, spring, sliders, smooth, scale });
-        }
-        let name = |index: usize| system.contacts.get(index).map(|contact| contact.name.clone());
-        let smooth = self.joints.iter().position(|joint| joint.smooth.is_some()).and_then(name);
-        let sliders = self.sliders.first().and_then(|slider| name(slider.contact));
-        match (smooth, sliders) {
-            (Some(smooth), Some(sliders)) => Err(OrbitError::Mixed { smooth, sliders }),
-            _ => Ok(()),
-        }
-    }
-
     /// Mirrored motions have mirrored forces: all laws are odd and all loads have odd harmonics.
     pub(crate) fn is_odd(&self) -> bool {
-        let odd_law = |joint: &Joint| joint.smooth.as_ref().is_none_or(|law| law.nature().odd);
+        let odd_law = |link: &Link| link.smooth.as_ref().is_none_or(|law| law.nature().odd);
         let at_rest = |load: &HarmonicLoad| load.force.iter().all(|force| force.norm() == 0.0);
-        self.joints.iter().all(odd_law)
+        self.presses.is_empty()
+            && self.links.iter().all(odd_law)
             && self.loads.iter().all(|load| load.harmonic % 2 == 1 || at_rest(load))
+    }
+
+    /// Number of a press with friction among those with friction.
+    pub(crate) fn friction_index(&self, press: usize) -> Option<usize> {
+        self.presses.get(press)?.friction?;
+        Some(self.presses.iter().take(press).filter(|press| press.friction.is_some()).count())
+    }
+
+    /// Presses with friction, with their numbers among all.
+    pub(crate) fn frictions(&self) -> impl Iterator<Item = (usize, &Press, &Friction)> {
+        self.presses
+            .iter()
+            .enumerate()
+            .filter_map(|(index, press)| Some((index, press, press.friction.as_ref()?)))
     }
 
     /// Whether a contact has a smooth law: the motion is then integrated instead of followed by its events.
     pub(crate) fn is_smooth(&self) -> bool {
-        self.joints.iter().any(|joint| joint.smooth.is_some())
+        self.links.iter().any(|link| link.smooth.is_some())
     }
 
     /// Unit of contact forces in N.
@@ -223,14 +160,14 @@ impl Scaled {
     }
 
     /// (φ, ∂φ/∂u, ∂φ/∂u') of a smooth contact.
-    pub(crate) fn smooth(&self, joint: &Joint, u: f64, rate: f64) -> (f64, f64, f64) {
-        let Some(Mechanism::Smooth(law)) = joint.smooth.as_ref().map(|law| law.mechanism()) else {
-            return (joint.spring * u, joint.spring, 0.0);
+    pub(crate) fn smooth(&self, link: &Link, u: f64, rate: f64) -> (f64, f64, f64) {
+        let Some(Mechanism::Smooth(law)) = link.smooth.as_ref().map(|law| law.mechanism()) else {
+            return (link.spring * u, link.spring, 0.0);
         };
         let (w, v) = (u * self.size, rate * self.size * self.omega);
         let (by_w, by_v) = law.slopes(w, v);
-        let per_stiffness = joint.scale / (self.omega * self.omega);
-        (per_stiffness * law.at(w, v) / self.size, per_stiffness * by_w, joint.scale * by_v / self.omega)
+        let per_stiffness = link.scale / (self.omega * self.omega);
+        (per_stiffness * law.at(w, v) / self.size, per_stiffness * by_w, link.scale * by_v / self.omega)
     }
 
     /// M̃⁻¹ times the loads' derivative of order `order` at phase τ, added to `sum`.

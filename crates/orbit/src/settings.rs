@@ -8,7 +8,7 @@ pub struct State {
     /// In m/s, one a dof.
     pub velocity: Vec<f64>,
     /// Spring force in N of every slider (times the contact's scale), contact by contact in the order of their
-    /// mechanisms; in rig convention.
+    /// mechanisms, then of every joint; in rig convention.
     pub sliders: Vec<f64>,
 }
 
@@ -34,13 +34,17 @@ impl Default for Settings {
     }
 }
 
-/// What happens to a slider at an event.
+/// What happens to a slider or contact at an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EventKind {
     /// It begins to slip.
     Slip,
-    /// It sticks again: the velocity is zero.
+    /// It sticks again: the slider's velocity is zero.
     Stick,
+    /// The bodies of a contact separate.
+    Open,
+    /// They touch again.
+    Close,
 }
 
 /// An event of the orbit.
@@ -48,12 +52,12 @@ pub enum EventKind {
 pub struct Event {
     /// Instant in s, in [0, T).
     pub time: f64,
-    /// Contact it belongs to.
+    /// Contact it belongs to; joints are counted on after the contacts.
     pub contact: usize,
-    /// Slider of that contact.
+    /// Slider of that contact; 0 for contacts that open.
     pub slider: usize,
     /// What begins.
     pub kind: EventKind,
-    /// Direction of the slip that begins or ends: +1 or −1.
+    /// Direction of the slip that begins or ends: +1 or −1; 0 for contacts that open or close.
     pub direction: i8,
 }

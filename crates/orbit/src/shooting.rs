@@ -13,6 +13,10 @@ const MOST_STEPS: usize = 25;
 /// Singular values below this, relative to one or to the largest, are directions in which nothing changes (the rest
 /// position of sliders that never slip, a rigid body): Newton's method leaves them as they are.
 const NEUTRAL: f64 = 1e-11;
+/// Periods after which a motion is looked at for repeating.
+const MOST_PERIODS: usize = 12;
+/// Difference below which it has repeated.
+const REPEATED: f64 = 1e-6;
 /// Closure at which nothing is left to gain.
 const ROUNDING: f64 = 1e-15;
 
@@ -107,11 +111,29 @@ pub(crate) fn close(
             }
         }
         if periods >= settings.settling_periods {
+            if let Some((periods, closure)) = repeats_after(map, &state)? {
+                return Err(OrbitError::Subharmonic { periods, closure });
+            }
             return Err(OrbitError::NotClosed { closure: best, periods, iterations });
         }
         next_attempt =
             (2 * periods).clamp(2, settings.settling_periods.max(2)).min(settings.settling_periods);
     }
+}
+
+/// How many periods, more than one, bring the motion back to `state`, and how close.
+fn repeats_after(map: &mut dyn Map, state: &[f64]) -> Result<Option<(usize, f64)>, OrbitError> {
+    let (mut from, mut end, mut weights) = (state.to_vec(), Vec::new(), Vec::new());
+    for periods in 1..=MOST_PERIODS {
+        let passage = map.pass(&from, TAU, &mut end, None)?;
+        map.weights(passage, &mut weights);
+        let difference = distance(&end, state, 1.0, &weights);
+        if difference < REPEATED {
+            return Ok((periods > 1).then_some((periods, difference)));
+        }
+        std::mem::swap(&mut from, &mut end);
+    }
+    Ok(None)
 }
 
 /// Largest weighed `|end − sign · start|`.
@@ -182,4 +204,45 @@ fn direction(trial: &Trial, section: Section) -> Option<Vec<f64>> {
         }
     }
     change.iter().all(|x| x.is_finite()).then_some(change)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Swaps two states in every period and has no fixed point: x → x + 1 below ½, x − 1 above, contracting to 0 and 1.
+    struct Swap;
+
+    impl Map for Swap {
+        fn pass(
+            &mut self,
+            from: &[f64],
+            _until: f64,
+            end: &mut Vec<f64>,
+            derivative: Option<&mut Mat<f64>>,
+        ) -> Result<Passage, OrbitError> {
+            let x = from.first().copied().unwrap_or(0.0);
+            end.clear();
+            end.push(if x < 0.5 { 1.0 + 0.5 * x } else { 0.5 * (x - 1.0) });
+            if let Some(derivative) = derivative {
+                derivative[(0, 0)] = 0.5;
+            }
+            Ok(Passage { peak: (1.0, 1.0) })
+        }
+
+        fn weights(&self, _passage: Passage, weights: &mut Vec<f64>) {
+            weights.clear();
+            weights.push(1.0);
+        }
+
+        fn admit(&self, _state: &mut [f64]) {}
+    }
+
+    #[test]
+    fn a_motion_of_two_periods_is_named() {
+        let error = close(&mut Swap, vec![0.2], (false, false), &Settings::default()).unwrap_err();
+        let OrbitError::Subharmonic { periods, closure } = error else { panic!("{error}") };
+        assert_eq!(periods, 2);
+        assert!(closure < 1e-6);
+    }
 }

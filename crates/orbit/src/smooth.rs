@@ -179,13 +179,13 @@ impl<'a> Smooth<'a> {
             let first = slopes.0.len();
             slopes.0.extend_from_slice(&system.stiffness_rate);
             slopes.1.extend_from_slice(&system.damping_rate);
-            for joint in &system.joints {
-                let (force, by_y, by_v) = system.smooth(joint, joint.relative(&y), joint.relative(&v));
-                for (i, acceleration) in joint.acceleration.iter().enumerate() {
+            for link in &system.links {
+                let (force, by_y, by_v) = system.smooth(link, link.relative(&y), link.relative(&v));
+                for (i, acceleration) in link.acceleration.iter().enumerate() {
                     if let Some(rest) = rest.get_mut(i) {
                         *rest += force * acceleration;
                     }
-                    for &(j, beta) in &joint.ends {
+                    for &(j, beta) in &link.ends {
                         let entry = first + i * n + j;
                         if let (Some(k), Some(d)) = (slopes.0.get_mut(entry), slopes.1.get_mut(entry)) {
                             *k += acceleration * beta * by_y;

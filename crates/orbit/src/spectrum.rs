@@ -18,10 +18,11 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use num_complex::Complex64;
 
 use crate::dynamic_stiffness::{matrix, row_of_inverse};
-use crate::path::{Along, Path, Piece, force, relative_velocity};
+use crate::links::Elastic;
+use crate::path::{Along, Path, Piece, force, force_rate};
 use crate::polynomial::value;
 use crate::quadrature::gauss_legendre;
-use crate::scaled::{Joint, Scaled};
+use crate::scaled::Scaled;
 
 /// Nodes of a panel.
 pub(crate) const NODES: usize = 20;
@@ -36,24 +37,20 @@ struct Stretch {
     ends: [(f64, Vec<f64>, Vec<f64>); 2],
 }
 
-/// All stretches with the same stiffness of every contact.
+/// All stretches with the same stiffness of every link.
 struct Mode {
-    stiffness: Vec<f64>,
+    stiffness: Vec<Elastic>,
     stretches: Vec<Stretch>,
 }
 
-/// Coefficients 0..=highest of φ of contact `c` (rig convention), one-sided.
+/// Coefficients 0..=highest of φ of link `c` (rig convention), one-sided.
 pub(crate) fn force_coefficients(system: &Scaled, path: &Path, c: usize, highest: usize) -> Vec<Coefficient> {
-    let Some(joint) = system.joints.get(c) else { return Vec::new() };
-    if joint.smooth.is_some() {
+    let Some(link) = system.links.get(c) else { return Vec::new() };
+    if link.smooth.is_some() {
         return direct(path, highest, |piece| force(system, piece, c));
     }
-    let rate = |piece: &Piece| -> Along {
-        let stiffness = piece.elastic.get(c).map_or(joint.spring, |elastic| elastic.0);
-        let velocity = relative_velocity(system, piece, c);
-        Box::new(move |s| stiffness * velocity(s))
-    };
-    let mut out = closed(system, &modes(system, path), (c, joint), highest);
+    let rate = |piece: &Piece| force_rate(system, piece, c);
+    let mut out = closed(system, &modes(system, path), c, highest);
     let peak = peak(path, &rate);
     // Beyond this order quadrature is never better.
     let last = out.iter().enumerate().rposition(|(k, entry)| entry.1 > bound(peak) / (k.max(1)) as f64);
@@ -81,13 +78,13 @@ pub(crate) fn displacement_coefficients(
 ) -> Vec<Coefficient> {
     let n = system.dofs;
     let forces: Vec<_> =
-        (0..system.joints.len()).map(|c| force_coefficients(system, path, c, highest)).collect();
+        (0..system.links.len()).map(|c| force_coefficients(system, path, c, highest)).collect();
     let position = |piece: &Piece| -> Along {
         let y = piece.polynomial(dof, n);
         Box::new(move |s| value(&y, s))
     };
     let floor = bound(peak(path, &position));
-    let free = vec![0.0; system.joints.len()];
+    let free = vec![Elastic::default(); system.links.len()];
     let balance = |k: usize| -> Coefficient {
         let unit = |i: usize| Complex64::from(if i == dof { 1.0 } else { 0.0 });
         let z = row_of_inverse(&matrix(system, k, &free), (0..n).map(unit).collect());
@@ -97,9 +94,9 @@ pub(crate) fn displacement_coefficients(
             sum += z * force;
             error += f64::EPSILON * (z * force).norm();
         }
-        for (joint, force) in system.joints.iter().zip(&forces) {
+        for (link, force) in system.links.iter().zip(&forces) {
             let Some((force, own)) = force.get(k) else { continue };
-            for &(i, beta) in &joint.ends {
+            for &(i, beta) in &link.ends {
                 let receptance = z.get(i).map_or(Complex64::ZERO, |z| z * beta);
                 sum -= receptance * force;
                 error += receptance.norm() * (own + f64::EPSILON * force.norm());
@@ -160,27 +157,29 @@ fn direct<'a>(path: &Path, highest: usize, x: impl Fn(&Piece) -> Along<'a>) -> V
 }
 
 /// The closed form.
-fn closed(system: &Scaled, modes: &[Mode], (c, joint): (usize, &Joint), highest: usize) -> Vec<Coefficient> {
-    let mut beta = vec![Complex64::ZERO; system.dofs];
-    for &(i, factor) in &joint.ends {
-        if let Some(entry) = beta.get_mut(i) {
-            *entry += factor;
-        }
-    }
+fn closed(system: &Scaled, modes: &[Mode], c: usize, highest: usize) -> Vec<Coefficient> {
     let coefficient = |k: usize| -> Coefficient {
         if k == 0 {
             return (Complex64::ZERO, 0.0);
         }
         let (mut sum, mut error) = (Complex64::ZERO, 0.0);
         for mode in modes {
-            let stiffness = mode.stiffness.get(c).copied().unwrap_or(0.0);
-            if stiffness == 0.0 {
+            // φ' = weights · v.
+            let mut weights = vec![Complex64::ZERO; system.dofs];
+            for (other, stiffness) in mode.stiffness.get(c).iter().flat_map(|elastic| elastic.parts(c)) {
+                for &(i, factor) in system.links.get(other).iter().flat_map(|link| &link.ends) {
+                    if let Some(entry) = weights.get_mut(i) {
+                        *entry += stiffness * factor;
+                    }
+                }
+            }
+            if weights.iter().all(|weight| weight.norm() == 0.0) {
                 continue;
             }
-            let z = row_of_inverse(&matrix(system, k, &mode.stiffness), beta.clone());
+            let z = row_of_inverse(&matrix(system, k, &mode.stiffness), weights);
             for (z, (part, size)) in z.iter().zip(right_hand_side(system, mode, k)) {
-                sum += z * part * stiffness;
-                error += f64::EPSILON * z.norm() * size * stiffness;
+                sum += z * part;
+                error += f64::EPSILON * z.norm() * size;
             }
         }
         let sum = sum / Complex64::new(0.0, PI * k as f64);
@@ -229,7 +228,7 @@ fn wave(m: f64, a: f64, b: f64) -> Complex64 {
     Complex64::cis(m * 0.5 * (a + b)) * length
 }
 
-/// The orbit's stretches by the stiffness of their contacts.
+/// The orbit's stretches by the stiffness of their links.
 fn modes(system: &Scaled, path: &Path) -> Vec<Mode> {
     let at = |piece: &Piece, s: f64| {
         let (mut v, mut a) = (vec![0.0; system.dofs], vec![0.0; system.dofs]);
@@ -237,7 +236,9 @@ fn modes(system: &Scaled, path: &Path) -> Vec<Mode> {
         piece.state(s, 2, &mut a);
         (if s == 0.0 { piece.start } else { piece.end() }, v, a)
     };
-    let stiffness = |piece: &Piece| -> Vec<f64> { piece.elastic.iter().map(|elastic| elastic.0).collect() };
+    let stiffness = |piece: &Piece| -> Vec<Elastic> {
+        piece.elastic.iter().map(|elastic| Elastic { constant: 0.0, ..*elastic }).collect()
+    };
     let mut modes: Vec<Mode> = Vec::new();
     for run in path.pieces.chunk_by(|a, b| stiffness(a) == stiffness(b)) {
         let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use contact::Law;
+use contact::{JointLaw, Law};
 use faer::Mat;
 use num_complex::Complex64;
 
@@ -34,7 +34,21 @@ pub struct Contact {
     pub scale: f64,
 }
 
-/// A structure with its loads and contacts, n dofs.
+/// A contact in several directions that depend on each other.
+#[derive(Debug, Clone)]
+pub struct Joint {
+    /// For messages and results.
+    pub name: String,
+    /// Relative displacement Σ coefficient · displacement in every direction as (dof, coefficient); as many as the law
+    /// has, the normal one last.
+    pub directions: Vec<Vec<(usize, f64)>>,
+    /// The law, of which only the mechanism is used.
+    pub law: Arc<dyn JointLaw>,
+    /// Factor on the law's forces; positive.
+    pub scale: f64,
+}
+
+/// A structure with its loads, contacts and joints, n dofs.
 #[derive(Debug, Clone)]
 pub struct System {
     /// M, n × n, in kg; regular.
@@ -45,8 +59,10 @@ pub struct System {
     pub stiffness: Mat<f64>,
     /// All loads; they add up.
     pub loads: Vec<Load>,
-    /// All contacts.
+    /// All contacts in one direction.
     pub contacts: Vec<Contact>,
+    /// All contacts in several directions.
+    pub joints: Vec<Joint>,
 }
 
 impl System {
@@ -84,6 +100,26 @@ impl System {
             if !(contact.scale.is_finite() && contact.scale > 0.0) {
                 return Err(OrbitError::Scale { contact: contact.name.clone(), scale: contact.scale });
             }
+        }
+        self.joints.iter().try_for_each(|joint| joint.check(dofs))
+    }
+}
+
+impl Joint {
+    fn check(&self, dofs: usize) -> Result<(), OrbitError> {
+        let (given, expected) = (self.directions.len(), self.law.directions());
+        if given != expected {
+            return Err(OrbitError::Directions { joint: self.name.clone(), given, expected });
+        }
+        let what = format!("joint \"{}\"", self.name);
+        for &(dof, coefficient) in self.directions.iter().flatten() {
+            inside(&what, dof, dofs)?;
+            if !coefficient.is_finite() {
+                return Err(OrbitError::NotFinite { what: format!("a coefficient of {what}") });
+            }
+        }
+        if !(self.scale.is_finite() && self.scale > 0.0) {
+            return Err(OrbitError::Scale { contact: self.name.clone(), scale: self.scale });
         }
         Ok(())
     }

@@ -4,15 +4,17 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use contact::{Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters};
-use contact::{Iwan, Law};
+use contact::{FrictionContact, FrictionContactParameters, Iwan, Law};
+use contact::{Linear, LinearParameters};
 use faer::{Mat, mat};
 use num_complex::Complex64;
 
 use crate::piecewise::Piecewise;
 use crate::scaled::Scaled;
+use crate::settings::EventKind;
 use crate::shooting::Map;
 use crate::smooth::Smooth;
-use crate::{Contact, Load, System};
+use crate::{Contact, Joint, Load, System};
 
 fn system(laws: [Arc<dyn Law>; 2]) -> System {
     let [first, second] = laws;
@@ -25,6 +27,7 @@ fn system(laws: [Arc<dyn Law>; 2]) -> System {
         stiffness: mat![[9e5, -4e5, 0.0], [-4e5, 7e5, -2e5], [0.0, -2e5, 5e5]],
         loads: vec![load(1, 1, 9.0, 1.0), load(2, 2, -1.0, 3.0), load(2, 0, 2.0, 0.0)],
         contacts: vec![contact("a", 0, None, first, 1.5), contact("b", 1, Some(2), second, 1.0)],
+        joints: Vec::new(),
     }
 }
 
@@ -130,4 +133,52 @@ fn monodromy_has_the_units_of_the_state() {
         }
     }
     assert!(checked > 6 * n, "a slider sticks at t = 0");
+}
+
+/// Two joints between three dofs: one opens, one slips under a varying pressure, both stick at times.
+fn jointed() -> System {
+    let free: Arc<dyn Law> = Arc::new(Linear::new(LinearParameters { stiffness: 1e4 }).unwrap());
+    let joint = |name: &str, directions, (tangential_stiffness, normal_stiffness), preload, gap| {
+        let parameters = FrictionContactParameters {
+            tangential_stiffness,
+            normal_stiffness,
+            friction_coefficient: 0.6,
+            preload,
+            gap,
+        };
+        let law = Arc::new(FrictionContact::new(parameters, 1).unwrap());
+        Joint { name: name.into(), directions, law, scale: 1.2 }
+    };
+    let mut system = system([free.clone(), free]);
+    system.joints = vec![
+        joint("opens", vec![vec![(0, 1.0), (1, -0.5)], vec![(1, 1.0)]], (1e6, 2e6), None, Some(-3e-6)),
+        joint("pressed", vec![vec![(2, 1.0)], vec![(0, 0.3), (1, 1.0)]], (2e6, 1e6), Some(5.0), None),
+    ];
+    system
+}
+
+#[test]
+fn the_derivative_of_the_map_with_joints_agrees_with_differences() {
+    let system = jointed();
+    let (mut kinds, mut into_stick) = (Vec::new(), 0);
+    for hertz in [30.0, 45.0, 70.0, 85.0, 100.0] {
+        let scaled = Scaled::new(&system, hertz).unwrap();
+        let mut map = Piecewise::new(&scaled);
+        let mut state = settled(&mut map, 8);
+        map.admit(&mut state);
+        let events = map.record(&state, TAU).unwrap().0.events;
+        kinds.extend(events.iter().map(|event| event.kind));
+        // Into stick where no slip begins at the same instant.
+        let slips = |tau: f64| events.iter().any(|event| event.kind == EventKind::Slip && event.tau == tau);
+        let closed = events.iter().filter(|event| event.kind == EventKind::Close);
+        into_stick += closed.filter(|event| !slips(event.tau)).count();
+        for until in [0.3, PI, TAU] {
+            check(&mut map, &state, until, 1e-7);
+        }
+    }
+    for kind in [EventKind::Slip, EventKind::Stick, EventKind::Open, EventKind::Close] {
+        let count = kinds.iter().filter(|&&found| found == kind).count();
+        assert!(count > 2, "{kind:?}: {count}");
+    }
+    assert!(into_stick > 0);
 }

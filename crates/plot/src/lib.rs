@@ -36,7 +36,7 @@ pub use image::write;
 pub use loop_plot::{LoopPlot, write_loop};
 pub use orbit_plot::{OrbitPanel, OrbitPlot, write_orbit};
 pub use parameter_plot::{ParameterPlot, write_parameter};
-pub use peak_plot::{PeakPlot, PeakPlotCurve, write_peaks};
+pub use peak_plot::{HighestPeak, PeakPlot, PeakPlotCurve, write_peaks};
 pub use pen::Pen;
 pub use response::{Panel, Response, write_response};
 pub use scaling_plot::{ScalingPlot, write_scaling};

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use contact::{FrictionContact, FrictionContactParameters, JointLaw};
+use contact::{
+    FrictionContact, FrictionContactParameters, JointLaw, LoadedLoop, NormalContact, NormalContactParameters,
+};
 
 use crate::error::SceneError;
 use crate::law::{self, ReadLaw, SCALED_LOOP_KEYS, read_scaled_loop, refused};
@@ -52,20 +54,26 @@ pub(crate) fn read(
 /// A measured loop whose force goes with the normal load.
 fn loaded_loop(
     node: &Node,
-    _tangential: usize,
+    tangential: usize,
     records: &Records,
 ) -> Result<ReadLaw<dyn JointLaw>, SceneError> {
     let law = node.object("a scaled loop", &SCALED_LOOP_KEYS)?;
-    let (_loop, _notes) = read_scaled_loop(&law, records)?;
     let entry = law.need("normal_load", "{\"reference\": 22.0, …}")?;
     let normal = entry.object("reference, stiffness and preload or gap", &NORMAL_LOAD_KEYS)?;
-    let _reference =
-        normal.need("reference", "22.0, the normal load in N under which the loop was measured")?.number()?;
-    let _stiffness = normal.need("stiffness", "1e7, in N/m")?.number()?;
-    let (_preload, _gap) = load(&normal)?;
-    Err(entry.error(
-        "a loop under a varying normal load is not available yet; leave it out, or use friction_contact",
-    ))
+    let form = "22.0, the normal load in N under which the loop was measured";
+    let reference = normal.need("reference", form)?.number()?;
+    let stiffness = normal.need("stiffness", "1e7, in N/m")?.number()?;
+    let (preload, gap) = load(&normal)?;
+    if tangential != 1 {
+        return Err(node.error(
+            "a measured loop acts in one tangential direction, and this contact has two; write \"tangential\" with one",
+        ));
+    }
+    let (scaled, notes) = read_scaled_loop(&law, records)?;
+    let place = |error| refused(entry.path(), error);
+    let normal = NormalContact::new(NormalContactParameters { stiffness, preload, gap }).map_err(place)?;
+    let loaded = LoadedLoop::new(scaled, normal, reference).map_err(place)?;
+    Ok(ReadLaw { law: Arc::new(loaded), notes })
 }
 
 /// `preload` in N or `gap` in m.

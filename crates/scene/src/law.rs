@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use contact::{
-    Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Law,
-    Linear, LinearParameters, MagnitudeLaw, ParameterError, PhaseLaw, ScaledLoop, Symmetry,
+    Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters, Gap,
+    GapParameters, Law, Linear, LinearParameters, MagnitudeLaw, ParameterError, PhaseLaw, ScaledLoop,
+    Symmetry,
 };
 
 use crate::error::SceneError;
@@ -101,9 +102,9 @@ pub(crate) fn read(node: &Node, records: &Records) -> Result<ReadLaw<dyn Law>, S
         }
         "gap" => {
             let law = node.object("a spring that presses and does not pull", &GAP_KEYS)?;
-            let _stiffness = law.need("stiffness", "1e7, in N/m")?.number()?;
-            let _gap = law.need("gap", "1e-6, in m")?.number()?;
-            return Err(kind.error("is not available yet"));
+            let stiffness = law.need("stiffness", "1e7, in N/m")?.number()?;
+            let gap = law.need("gap", "1e-6, in m")?.number()?;
+            Arc::new(Gap::new(GapParameters { stiffness, gap }).map_err(|error| refused(node.path(), error))?)
         }
         // A law of the list in several directions.
         _ => return Err(kind.error(format!("{name} acts in several directions"))),

@@ -40,6 +40,7 @@ mod loop_family;
 mod loops;
 mod matrix;
 mod model;
+mod motion;
 mod notes;
 mod outcome;
 mod peak;
@@ -66,6 +67,7 @@ pub use frequencies::{BadFrequencies, Frequencies};
 pub use harmonics::{BadHarmonics, Harmonics};
 pub use hbm::{ContinuationOptions, Origin, Problem, SweepOptions as RunOptions};
 pub use layout::write_json;
+pub use motion::{ContactMotion, DirectionMotion};
 pub use outcome::{
     ContactOutcome, ContactPoint, DirectionPoint, JointPoint, Named, Outcome, Point, Spectrum, Timing,
     direction_names,

@@ -238,6 +238,17 @@ fn every_misuse_names_its_key() {
         ),
         (vec![("law", loop_law(json!({})))], "or add \"normal_load\" to the law"),
         (
+            vec![("law", normal_load(json!({ "reference": 22, "stiffness": 1e7, "gap": 0 })))],
+            "contacts[0].law: a measured loop acts in one tangential direction, and this contact has two",
+        ),
+        (
+            vec![
+                ("law", normal_load(json!({ "reference": 0, "stiffness": 1e7, "gap": 0 }))),
+                ("axes", json!({ "normal": [0, 0, 1], "tangential": [1, 0, 0] })),
+            ],
+            "contacts[0].law.normal_load.reference: must be positive, got 0",
+        ),
+        (
             vec![("law", normal_load(json!({ "stiffness": 1e7, "gap": 0 })))],
             "contacts[0].law.normal_load.reference: is missing",
         ),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use contact::{ElasticCoulomb, Mechanism};
+use contact::{ElasticCoulomb, JointMechanism, Mechanism};
 use hbm::Solution;
 use num_complex::Complex64;
 use orbit::{State, System};
@@ -27,6 +27,14 @@ pub(crate) fn state(
         if let Mechanism::Sliders { sliders, .. } = contact.law.mechanism() {
             let path = relative_displacement(orders, &report.displacement);
             state.sliders.extend(sliders.iter().map(|slider| contact.scale * settled(slider, &path)));
+        }
+    }
+    for (joint, report) in system.joints.iter().zip(&solution.joints) {
+        if let (JointMechanism::Friction { .. }, [tangential, _]) =
+            (joint.law.mechanism(), report.directions.as_slice())
+        {
+            // The force on the first body at t = 0; a slider's is against it.
+            state.sliders.push(-tangential.force.iter().map(|amplitude| amplitude.re).sum::<f64>());
         }
     }
     state

@@ -182,6 +182,10 @@ impl<'a> Stepper<'a> {
             };
             links.push(Link { first: contact.first, second: contact.second, scale: contact.scale, element });
         }
+        if let Some(joint) = system.joints.first() {
+            let why = "time stepping knows no contact in several directions";
+            return Err(SteppingError::NoMechanism { contact: joint.name.clone(), why });
+        }
         let n = system.mass.nrows();
         let h = 1.0 / (hertz * steps as f64);
         let (m, d, c) = (&system.mass, &system.damping, &system.stiffness);

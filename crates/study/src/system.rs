@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use hbm::{Excitation, ExcitationKind, Problem};
 use num_complex::Complex64;
-use orbit::{Contact, Load, System};
+use orbit::{Contact, Joint, Load, System};
 
-/// The system of `problem` at `hertz`: its matrices, its excitation as forces on dofs, its contacts.
+/// The system of `problem` at `hertz`: its matrices, its excitation as forces on dofs, its contacts and joints.
 pub fn system(problem: &Problem, hertz: f64) -> System {
     let model = &problem.model;
     let omega = TAU * hertz;
@@ -17,12 +17,19 @@ pub fn system(problem: &Problem, hertz: f64) -> System {
         law: contact.law.clone(),
         scale: contact.scale,
     };
+    let joint = |joint: &hbm::Joint| Joint {
+        name: joint.name.clone(),
+        directions: joint.directions.iter().map(|direction| direction.parts.clone()).collect(),
+        law: joint.law.clone(),
+        scale: joint.scale,
+    };
     System {
         mass: model.mass().clone(),
         damping: model.damping().clone(),
         stiffness: model.stiffness().clone(),
         loads: problem.excitation.iter().flat_map(|entry| loads(entry, omega, model)).collect(),
         contacts: problem.contacts.iter().map(contact).collect(),
+        joints: problem.joints.iter().map(joint).collect(),
     }
 }
 

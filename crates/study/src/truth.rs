@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use contact::Mechanism;
+use contact::{JointMechanism, Mechanism};
 use hbm::{Plan, Problem, Settings, Solution, Status};
 use num_complex::Complex64;
 use orbit::{Orbit, OrbitError};
@@ -128,7 +128,10 @@ impl<'s> Truths<'s> {
         };
         let plan = Plan::new(&problem, &settings)?;
         let mechanism = |contact: &hbm::Contact| !matches!(contact.law.mechanism(), Mechanism::None { .. });
-        let has_orbits = problem.contacts.iter().all(mechanism);
+        let joint_mechanism = |joint: &hbm::Joint| {
+            !matches!(joint.law.mechanism(), JointMechanism::None { .. }) && joint.directions.len() == 2
+        };
+        let has_orbits = problem.contacts.iter().all(mechanism) && problem.joints.iter().all(joint_mechanism);
         Ok(Self { posed, plan, harmonics, highest: (BEYOND * (largest + 1)).max(512), has_orbits })
     }
 

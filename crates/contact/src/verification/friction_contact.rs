@@ -38,7 +38,7 @@ impl Moving {
         }
     }
 
-    fn samples(&self) -> usize {
+    pub(super) fn samples(&self) -> usize {
         self.displacement.len() / self.directions
     }
 }
@@ -50,13 +50,13 @@ pub(super) fn forces(law: &dyn JointLaw, moving: &Moving) -> (Vec<f64>, JointMar
     (force, marks)
 }
 
-const KT: f64 = 6e6;
-const KN: f64 = 4e6;
-const MU: f64 = 0.4;
+pub(super) const KT: f64 = 6e6;
+pub(super) const KN: f64 = 4e6;
+pub(super) const MU: f64 = 0.4;
 /// Slips from 2 µm on.
-const LOAD: f64 = 30.0;
+pub(super) const LOAD: f64 = 30.0;
 
-fn contact(preload: Option<f64>, gap: Option<f64>, tangential: usize) -> FrictionContact {
+pub(super) fn contact(preload: Option<f64>, gap: Option<f64>, tangential: usize) -> FrictionContact {
     let parameters = FrictionContactParameters {
         tangential_stiffness: KT,
         normal_stiffness: KN,
@@ -77,7 +77,7 @@ pub(super) fn um(list: &[(usize, f64, f64)]) -> Vec<Complex64> {
 }
 
 /// Tangential motions, in one direction and in the other.
-fn tangential() -> Vec<[Vec<Complex64>; 2]> {
+pub(super) fn tangential() -> Vec<[Vec<Complex64>; 2]> {
     vec![
         [um(&[(1, 4.0, 1.0)]), um(&[(1, 1.0, -2.5)])],
         [
@@ -91,7 +91,7 @@ fn tangential() -> Vec<[Vec<Complex64>; 2]> {
 }
 
 /// Normal motions: constant load, varying, apart at times, apart twice, touching seldom.
-fn normal() -> Vec<Vec<Complex64>> {
+pub(super) fn normal() -> Vec<Vec<Complex64>> {
     vec![
         um(&[]),
         um(&[(0, 0.5, 0.0), (1, 3.0, 1.0)]),

@@ -1,0 +1,205 @@
+//! What connects dofs: contacts in one direction and every direction of a joint, as forces along functionals of y.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use contact::{JointMechanism, Law, Mechanism, UnilateralSpring};
+use faer::Mat;
+
+use crate::error::OrbitError;
+use crate::scaled::Scaled;
+use crate::system::System;
+
+/// A slider: elastic up to a limit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slider {
+    /// Contact it belongs to, which is also its link.
+    pub(crate) contact: usize,
+    /// k_t.
+    pub(crate) stiffness: f64,
+    /// F_s.
+    pub(crate) limit: f64,
+    /// Change of force, in units of its limit, by a unit of relative displacement.
+    pub(crate) gain: f64,
+}
+
+/// A contact that opens.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Press {
+    /// Its contact; joints are counted on after the contacts.
+    pub(crate) contact: usize,
+    /// Link along the normal.
+    pub(crate) normal: usize,
+    /// k_n.
+    pub(crate) stiffness: f64,
+    /// N at u_n = 0, before it is cut at zero.
+    pub(crate) pressure: f64,
+    /// Part of N that is no force: it belongs to the equilibrium displacements are measured from.
+    pub(crate) balanced: f64,
+    pub(crate) friction: Option<Friction>,
+}
+
+/// A spring in series with a slider whose limit is μN.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Friction {
+    /// Link along the tangent.
+    pub(crate) link: usize,
+    /// k_t.
+    pub(crate) stiffness: f64,
+    /// μ.
+    pub(crate) coefficient: f64,
+}
+
+/// A contact, or one direction of a joint.
+#[derive(Debug, Clone)]
+pub(crate) struct Link {
+    /// β: dof and factor.
+    pub(crate) ends: Vec<(usize, f64)>,
+    /// M̃⁻¹β.
+    pub(crate) acceleration: Vec<f64>,
+    /// Stiffness of the spring beside the sliders.
+    pub(crate) spring: f64,
+    /// Its sliders among all of the system.
+    pub(crate) sliders: Range<usize>,
+    /// Set for smooth laws.
+    pub(crate) smooth: Option<Arc<dyn Law>>,
+    /// Factor on the law's force.
+    pub(crate) scale: f64,
+}
+
+/// The force of a link between events: `φ = stiffness · u + coupled · u_other + constant`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Elastic {
+    pub(crate) stiffness: f64,
+    pub(crate) constant: f64,
+    /// Another link and the stiffness by which its displacement acts here: μk_n while a joint slips.
+    pub(crate) coupled: Option<(usize, f64)>,
+}
+
+impl Link {
+    /// Relative displacement β·y.
+    pub(crate) fn relative(&self, y: &[f64]) -> f64 {
+        self.ends.iter().map(|&(dof, factor)| factor * y.get(dof).copied().unwrap_or(0.0)).sum()
+    }
+}
+
+impl Elastic {
+    /// Links whose displacements act on link `own`, itself first, and their stiffnesses.
+    pub(crate) fn parts(&self, own: usize) -> impl Iterator<Item = (usize, f64)> {
+        [Some((own, self.stiffness)), self.coupled].into_iter().flatten()
+    }
+
+    /// The change of force of link `own` by a change of y.
+    pub(crate) fn pull(&self, own: usize, links: &[Link], y: &[f64]) -> f64 {
+        self.parts(own).map(|(link, k)| k * links.get(link).map_or(0.0, |link| link.relative(y))).sum()
+    }
+}
+
+impl Scaled {
+    pub(crate) fn add_contacts(&mut self, system: &System, inverse: &Mat<f64>) -> Result<(), OrbitError> {
+        let stiffness_unit = self.omega * self.omega;
+        for (index, contact) in system.contacts.iter().enumerate() {
+            let parts = [(Some(contact.first), 1.0), (contact.second, -1.0)];
+            let parts = parts.into_iter().filter_map(|(dof, sign)| Some((dof?, sign)));
+            let mut link = self.link(parts, inverse);
+            link.scale = contact.scale;
+            let first = self.sliders.len();
+            match contact.law.mechanism() {
+                Mechanism::Sliders { sliders, spring } => {
+                    link.spring = contact.scale * spring / stiffness_unit;
+                    self.sliders.extend(sliders.iter().map(|slider| {
+                        let stiffness = contact.scale * slider.stiffness() / stiffness_unit;
+                        let limit = contact.scale * slider.slip_force() / (stiffness_unit * self.size);
+                        Slider { contact: index, stiffness, limit, gain: stiffness / limit }
+                    }));
+                }
+                Mechanism::Smooth(_) => link.smooth = Some(contact.law.clone()),
+                Mechanism::Unilateral(spring) => {
+                    let press = self.press((index, self.links.len()), &spring, contact.scale);
+                    self.presses.push(press);
+                }
+                Mechanism::None { why } => {
+                    let (contact, law) = (contact.name.clone(), contact.law.name());
+                    return Err(OrbitError::NoMechanism { contact, law, why });
+                }
+            }
+            link.sliders = first..self.sliders.len();
+            self.links.push(link);
+        }
+        self.add_joints(system, inverse)?;
+        self.check_mixture(system)
+    }
+
+    fn add_joints(&mut self, system: &System, inverse: &Mat<f64>) -> Result<(), OrbitError> {
+        let contacts = system.contacts.len();
+        for (index, joint) in system.joints.iter().enumerate() {
+            let none = |why| {
+                let (contact, law) = (joint.name.clone(), joint.law.name());
+                Err(OrbitError::NoMechanism { contact, law, why })
+            };
+            let first = self.links.len();
+            for direction in &joint.directions {
+                let link = self.link(direction.iter().copied(), inverse);
+                self.links.push(link);
+            }
+            let all = first..self.links.len();
+            match joint.law.mechanism() {
+                JointMechanism::Friction { tangential_stiffness, friction_coefficient, normal } => {
+                    if all.len() != 2 {
+                        return none(
+                            "friction in two tangential directions is followed by no closed form; leave one of them out",
+                        );
+                    }
+                    let mut press = self.press((contacts + index, first + 1), &normal, joint.scale);
+                    press.friction = Some(Friction {
+                        link: first,
+                        stiffness: joint.scale * tangential_stiffness / (self.omega * self.omega),
+                        coefficient: friction_coefficient,
+                    });
+                    self.presses.push(press);
+                }
+                JointMechanism::None { why } => return none(why),
+            }
+            self.directions.push(all);
+        }
+        Ok(())
+    }
+
+    fn link(&self, parts: impl Iterator<Item = (usize, f64)>, inverse: &Mat<f64>) -> Link {
+        let ends: Vec<(usize, f64)> =
+            parts.filter_map(|(dof, factor)| Some((dof, factor / self.root_mass.get(dof)?))).collect();
+        let along = |i: usize| ends.iter().map(|&(j, beta)| inverse[(i, j)] * beta).sum();
+        let acceleration = (0..self.dofs).map(along).collect();
+        Link { ends, acceleration, spring: 0.0, sliders: 0..0, smooth: None, scale: 1.0 }
+    }
+
+    fn press(&self, (contact, normal): (usize, usize), spring: &UnilateralSpring, scale: f64) -> Press {
+        let force = scale / (self.omega * self.omega * self.size);
+        Press {
+            contact,
+            normal,
+            stiffness: scale * spring.stiffness / (self.omega * self.omega),
+            pressure: force * spring.pressure_at_zero,
+            balanced: force * spring.balanced,
+            friction: None,
+        }
+    }
+
+    /// Smooth laws are integrated, all others followed from event to event.
+    fn check_mixture(&self, system: &System) -> Result<(), OrbitError> {
+        let names: Vec<&String> = system
+            .contacts
+            .iter()
+            .map(|contact| &contact.name)
+            .chain(system.joints.iter().map(|joint| &joint.name))
+            .collect();
+        let name = |index: usize| names.get(index).map(|name| (*name).clone());
+        let smooth = self.links.iter().position(|link| link.smooth.is_some()).and_then(name);
+        let sliders = self.sliders.iter().map(|slider| slider.contact);
+        let sliders = sliders.chain(self.presses.iter().map(|press| press.contact)).next().and_then(name);
+        match (smooth, sliders) {
+            (Some(smooth), Some(sliders)) => Err(OrbitError::Mixed { smooth, sliders }),
+            _ => Ok(()),
+        }
+    }
+}
