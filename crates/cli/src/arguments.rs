@@ -10,8 +10,8 @@ use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Harmonics, Scene};
 
 pub use studies::{
-    BackboneArguments, ContinueArguments, OrbitArguments, PeaksArguments, Quantity, StudyArguments,
-    TruncationArguments,
+    BackboneArguments, ContinueArguments, MergeArguments, OrbitArguments, PeaksArguments, Quantity,
+    StudyArguments, StudyResultArguments, TruncationArguments,
 };
 
 use crate::ending::Failure;
@@ -77,6 +77,9 @@ pub enum Command {
     /// Solve a scene over a grid of its entries: peaks against excitation, normal load, harmonics
     #[command(after_help = studies::STUDY)]
     Study(StudyArguments),
+    /// Put the parts of a study together that several machines solved
+    #[command(after_help = studies::MERGE)]
+    Merge(MergeArguments),
     /// Look at measured friction loops
     #[command(subcommand, arg_required_else_help = true)]
     Loop(LoopCommand),
