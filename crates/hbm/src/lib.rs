@@ -22,6 +22,7 @@ mod free_motion;
 mod harmonics;
 mod hill;
 mod holding;
+mod joint_events;
 mod joint_force;
 mod krylov;
 mod ladder;
