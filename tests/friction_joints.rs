@@ -244,7 +244,7 @@ fn a_delay_of_the_excitation_delays_the_motion() {
 /// Through the resonances every point has a solution for every N, and the same from any number of threads.
 #[test]
 fn every_point_of_a_sweep_is_solved() {
-    let frequencies: Vec<f64> = (0..45).map(|i| 30.0 + 4.0 * i as f64).collect();
+    let frequencies: Vec<f64> = (0..22).map(|i| 30.0 + 8.0 * i as f64).collect();
     for (preload, gap) in [(Some(10.0), None), (Some(0.0), None), (None, Some(1e-5)), (None, Some(-2e-5))] {
         let problem = two_bodies(friction(preload, gap, 1), 0.0, 0.0);
         for harmonics in [1, 3, 7, 15] {
@@ -263,7 +263,7 @@ fn every_point_of_a_sweep_is_solved() {
                 assert!(solution.joints[0].dissipation > -1e-9);
             }
             let parted = solutions.iter().filter(|s| s.joints[0].apart > 0.0).count();
-            assert!(parted > 20, "{parted} points with lift-off");
+            assert!(parted > 9, "{parted} points with lift-off");
             if harmonics == 3 {
                 assert_eq!(solutions, sweep(1));
             }
