@@ -20,7 +20,10 @@ pub fn run(arguments: &ContinueArguments) -> Result<Ending, Failure> {
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
     let path = &arguments.scene.scene;
     output::distinct(path, &[&arguments.output, &arguments.plot])?;
-    let scene = arguments.scene.read()?;
+    let mut scene = arguments.scene.read()?;
+    if arguments.stability {
+        scene = scene.with_stability();
+    }
     let variants = match &arguments.along {
         Some(_) => Some(Variants::from_file(path).map_err(|error| in_file(path, error))?),
         None => None,
@@ -31,7 +34,7 @@ pub fn run(arguments: &ContinueArguments) -> Result<Ending, Failure> {
     let progress = |_: f64| !interrupted.load(Ordering::Relaxed);
     let options = ContinuationOptions { progress: &progress, ..ContinuationOptions::default() };
     let waiting = Waiting::new("following the curve");
-    let curve = scene.curve(along, range, variants.as_ref(), &options);
+    let curve = scene.curve_judged(along, range, variants.as_ref(), &options, Some(&study::stability));
     drop(waiting);
     let curve = curve.map_err(|error| arguments.scene.unsolvable(error))?;
 

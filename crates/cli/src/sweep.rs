@@ -1,7 +1,7 @@
 //! `stickslip sweep`: the forced response of a scene.
 
 use std::io::{self, IsTerminal};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::{Frequencies, Outcome, Prepared, RunOptions, Solved};
 
@@ -24,7 +24,9 @@ enum Wanted {
 pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     let format = format(arguments)?;
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
-    output::distinct(&arguments.scene.scene, &[&arguments.output, &arguments.waveform, &arguments.plot])?;
+    let loops = arguments.loops.as_deref().map(Figure::new).transpose()?;
+    let files = [&arguments.output, &arguments.waveform, &arguments.plot, &arguments.loops];
+    output::distinct(&arguments.scene.scene, &files)?;
     let mut scene = arguments.scene.read()?;
     if let Some(frequency) = arguments.at {
         let one = Frequencies::one(frequency).map_err(|error| Failure::input(format!("--at: {error}")))?;
@@ -35,6 +37,9 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     }
     if arguments.all_solutions {
         scene = scene.with_all_solutions();
+    }
+    if arguments.stability {
+        scene = scene.with_stability();
     }
     let prepared = prepared(&scene).map_err(|error| arguments.scene.unsolvable(error))?;
 
@@ -49,9 +54,12 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     let solved = solve(&prepared, arguments, interrupted);
     let outcome = solved.outcome();
     write(result, &solved, &outcome)?;
-    if let Some(output) = period {
+    if period.is_some() || loops.is_some() {
         match solved.motion() {
-            Some(motion) => waveform::write(output, &scene, &motion)?,
+            Some(motion) => {
+                period.map(|output| waveform::write(output, &scene, &motion)).transpose()?;
+                loops.map(|figure| figure::contact_loops(figure, &scene, &motion)).transpose()?;
+            }
             None => say(format_args!("no waveform was written: the point was not solved")),
         }
     }
@@ -69,7 +77,11 @@ fn solve<'p>(prepared: &'p Prepared, arguments: &SweepArguments, interrupted: &A
         cancel: Some(interrupted),
         progress: Some(&finished),
     };
-    let solved = prepared.solve(&options);
+    let mut solved = prepared.solve(&options);
+    solved.judge(&|problem, orders, solution| match interrupted.load(Ordering::Relaxed) {
+        true => Err("stopped before".into()),
+        false => study::stability(problem, orders, solution),
+    });
     progress.clear();
     solved
 }

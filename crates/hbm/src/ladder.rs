@@ -227,7 +227,9 @@ impl Plan {
 
     /// Whether every contact force is sampled: then more of its harmonics are known than the motion has.
     fn samples_all(&self) -> bool {
-        self.contacts.iter().all(|c| !self.exact || c.law.piecewise_linear().is_none())
+        let by_events = self.contacts.iter().any(|c| c.law.piecewise_linear().is_some())
+            || self.joints.iter().any(|joint| joint.law.piecewise_linear().is_some());
+        !(self.exact && by_events)
     }
 
     /// As [`Plan::extend`], with the forces that rung `below` ended with, and against the secant stiffness of the contact.

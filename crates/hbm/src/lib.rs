@@ -10,6 +10,7 @@
 //! given as it acts **on the first body** of the contact: it opposes the motion.
 
 mod balance;
+mod beyond;
 mod condensation;
 mod continuation;
 mod course;

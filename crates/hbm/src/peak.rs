@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use crate::error::PlanError;
-use crate::peak_branch::{Axis, Family, Node};
+use crate::peak_branch::{Axis, Family, Node, Value};
 use crate::peak_search::{Search, Summit};
 use crate::peak_survey::Survey;
 use crate::plan::Plan;
@@ -43,7 +43,7 @@ pub enum PeakStatus {
     Surveyed,
     /// The peaks were followed from surveyed neighbours.
     Followed,
-    /// No peak inside the range is as high as the response at this end of it (Hz, m).
+    /// No peak inside the range is as high as the response at this end of it (Hz, m); there may be none.
     HigherAtEnd(f64, f64),
     /// The response at this frequency in Hz is higher (m) than every peak that was found.
     Incomplete(f64, f64),
@@ -76,7 +76,7 @@ pub struct PeakPoint {
     pub parameter: f64,
     /// What is known about it.
     pub status: PeakStatus,
-    /// The highest first.
+    /// The highest first; of those far below it only some.
     pub peaks: Vec<Peak>,
 }
 
@@ -203,9 +203,6 @@ struct Follower<'a> {
     stopped: AtomicBool,
 }
 
-/// The peaks known at one value of the parameter, for the report.
-type Grid = Vec<(f64, f64)>;
-
 impl<'a> Follower<'a> {
     fn new(
         problem: &'a (dyn Fn(f64) -> Option<Problem> + Sync),
@@ -248,7 +245,7 @@ impl<'a> Follower<'a> {
     }
 
     /// Values of the parameter at which the response is surveyed, and their coordinates.
-    fn values(&self) -> Grid {
+    fn values(&self) -> Vec<Value> {
         let (from, to) = self.options.range;
         let (low, high) = (self.axis.place(from), self.axis.place(to));
         let last = self.options.surveys - 1;
@@ -299,11 +296,7 @@ impl<'a> Follower<'a> {
     }
 
     /// Every peak of the surveys, followed to the surveys beside it.
-    fn branches(
-        &self,
-        values: &[(f64, f64)],
-        surveys: &[Option<Survey>],
-    ) -> Result<Vec<Vec<Node>>, PlanError> {
+    fn branches(&self, values: &[Value], surveys: &[Option<Survey>]) -> Result<Vec<Vec<Node>>, PlanError> {
         let family = self.family();
         let node = |&(at, parameter): &(f64, f64), summit: &Summit| Node {
             at,
@@ -316,15 +309,16 @@ impl<'a> Follower<'a> {
             branches.extend(summits(survey).iter().map(|summit| vec![node(value, summit)]));
         }
         let mut active: Vec<usize> = (0..branches.len()).collect();
-        for (pair, survey) in values.windows(2).zip(surveys.iter().skip(1)) {
-            let [here, next] = pair else { continue };
+        for (pair, ends) in values.windows(2).zip(surveys.windows(2)) {
+            let ([here, next], [before, survey]) = (pair, ends) else { continue };
             let found = summits(survey);
             let mut reached = vec![false; found.len()];
+            let highest = highest(survey).min(highest(before));
             let mut arrived = Vec::new();
             for &branch in active.iter().filter(|_| self.going()) {
                 let Some(nodes) = branches.get_mut(branch) else { continue };
                 let Some(last) = nodes.last().and_then(|node| node.summit.clone()) else { continue };
-                let way = family.march(&last, here.1, next.1)?;
+                let way = family.march(&last, (*here, *next), highest)?;
                 nodes.extend(way.into_iter().skip(1));
                 let Some(last) = nodes.last_mut().filter(|node| node.at == next.0) else { continue };
                 let same = found.iter().position(|known| last.summit.as_ref().is_some_and(|s| s.is(known)));
@@ -342,7 +336,7 @@ impl<'a> Follower<'a> {
             for (summit, _) in found.iter().zip(&reached).filter(|(_, reached)| !**reached) {
                 let mut nodes = vec![node(next, summit)];
                 if self.going() {
-                    nodes = family.march(summit, next.1, here.1)?;
+                    nodes = family.march(summit, (*next, *here), highest)?;
                     nodes.reverse();
                 }
                 arrived.push(branches.len());
@@ -354,27 +348,43 @@ impl<'a> Follower<'a> {
         Ok(branches)
     }
 
-    /// Every branch at the values of all others; the values.
+    /// Every branch that may be the highest at the values of all others; the values.
     fn fill(
         &self,
         branches: &mut [Vec<Node>],
-        values: &[(f64, f64)],
+        values: &[Value],
         surveys: &[Option<Survey>],
-    ) -> Result<Grid, PlanError> {
+    ) -> Result<Vec<Value>, PlanError> {
         let surveyed = values.iter().zip(surveys).filter(|(_, survey)| survey.is_some());
-        let mut grid: Grid = branches.iter().flatten().map(|node| (node.at, node.parameter)).collect();
+        let mut grid: Vec<Value> = branches.iter().flatten().map(|node| (node.at, node.parameter)).collect();
         grid.extend(surveyed.map(|(value, _)| *value));
         grid.sort_by(|a, b| a.0.total_cmp(&b.0));
         grid.dedup_by(|a, b| a.0 == b.0);
         let family = self.family();
-        for branch in branches.iter_mut().filter(|_| self.going()) {
-            let lacks = |at: f64| branch.binary_search_by(|node| node.at.total_cmp(&at)).is_err();
-            let missing: Vec<_> = grid.iter().filter(|value| lacks(value.0)).collect();
-            let added = |&&(at, parameter): &&(f64, f64)| -> Result<Option<Node>, PlanError> {
-                Ok(family.on(branch, at)?.map(|summit| Node { at, parameter, summit }))
+        let missing: Vec<(usize, f64, f64)> = grid
+            .iter()
+            .filter(|_| self.going())
+            .flat_map(|&(at, parameter)| {
+                let lacks =
+                    |&index: &usize| branches.get(index).is_some_and(|branch| has(branch, at).is_none());
+                let relevant = family.relevant(branches, at).into_iter().filter(lacks);
+                relevant.map(|index| (index, at, parameter)).collect::<Vec<_>>()
+            })
+            .collect();
+        let add = |&(index, at, parameter): &(usize, f64, f64)| -> Result<(usize, Node), PlanError> {
+            let summit = match branches.get(index) {
+                Some(branch) => family.on(branch, at)?,
+                None => None,
             };
-            let added: Vec<Option<Node>> = missing.par_iter().map(added).collect::<Result<_, _>>()?;
-            branch.extend(added.into_iter().flatten());
+            Ok((index, Node { at, parameter, summit }))
+        };
+        let added: Vec<(usize, Node)> = missing.par_iter().map(add).collect::<Result<_, _>>()?;
+        for (index, node) in added {
+            if let Some(branch) = branches.get_mut(index) {
+                branch.push(node);
+            }
+        }
+        for branch in branches.iter_mut() {
             branch.sort_by(|a, b| a.at.total_cmp(&b.at));
         }
         self.finished(values.len());
@@ -385,16 +395,18 @@ impl<'a> Follower<'a> {
     fn points(
         &self,
         branches: &[Vec<Node>],
-        grid: &Grid,
-        values: &[(f64, f64)],
+        grid: &[Value],
+        values: &[Value],
         surveys: &[Option<Survey>],
     ) -> Vec<PeakPoint> {
+        let family = self.family();
         let point = |&(at, parameter): &(f64, f64)| {
-            let mut lost = false;
+            // Stopped before every branch had its place here.
+            let lacks = |index: &usize| branches.get(*index).is_some_and(|branch| has(branch, at).is_none());
+            let mut lost = family.relevant(branches, at).iter().any(lacks);
             let mut peaks = Vec::new();
             for (branch, nodes) in branches.iter().enumerate() {
-                let node = nodes.binary_search_by(|node| node.at.total_cmp(&at)).ok();
-                match node.and_then(|i| nodes.get(i)).map(|node| &node.summit) {
+                match has(nodes, at).map(|node| &node.summit) {
                     Some(Some(summit)) => peaks.push(peak(branch, summit)),
                     Some(None) => lost = true,
                     None => {}
@@ -409,14 +421,19 @@ impl<'a> Follower<'a> {
             };
             PeakPoint { parameter, status, peaks }
         };
-        grid.iter().map(point).collect()
+        let mut points: Vec<PeakPoint> = grid.iter().map(point).collect();
+        if self.stopped.load(Ordering::Relaxed) {
+            // What is not finished is not failed.
+            points.retain(|point| point.status != PeakStatus::Failed);
+        }
+        points
     }
 
     /// The lowest highest peak over the values where it is known, and the Newton steps of its survey.
     fn optimum(
         &self,
         branches: &[Vec<Node>],
-        grid: &Grid,
+        grid: &[Value],
         points: &[PeakPoint],
     ) -> Result<Option<(Optimum, usize)>, PlanError> {
         let family = self.family();
@@ -454,6 +471,16 @@ impl<'a> Follower<'a> {
     }
 }
 
+/// The highest amplitude of a survey.
+fn highest(survey: &Option<Survey>) -> f64 {
+    survey.as_ref().and_then(|survey| survey.summits.first()).map_or(0.0, |summit| summit.amplitude)
+}
+
+/// The node of a branch at a coordinate.
+fn has(branch: &[Node], at: f64) -> Option<&Node> {
+    branch.get(branch.binary_search_by(|node| node.at.total_cmp(&at)).ok()?)
+}
+
 fn peak(branch: usize, summit: &Summit) -> Peak {
     Peak { branch, amplitude: summit.amplitude, solution: summit.solution.clone() }
 }
@@ -463,12 +490,13 @@ const HIGHER: f64 = 1e-6;
 
 /// What a survey says about peaks that were followed.
 fn judge(survey: &Survey, peaks: &[Peak]) -> PeakStatus {
-    let Some(highest) = peaks.first() else { return PeakStatus::Failed };
-    let other = survey.summits.first().filter(|s| s.amplitude > highest.amplitude * (1.0 + HIGHER));
+    let highest = peaks.first().map_or(0.0, |peak| peak.amplitude);
+    let other = survey.summits.first().filter(|s| s.amplitude > highest * (1.0 + HIGHER));
     match (other, survey.higher, survey.edge) {
         (Some(summit), ..) => PeakStatus::Incomplete(summit.hertz(), summit.amplitude),
         (None, Some((hertz, height)), _) => PeakStatus::Incomplete(hertz, height),
         (None, None, Some((hertz, height))) => PeakStatus::HigherAtEnd(hertz, height),
+        (None, None, None) if peaks.is_empty() => PeakStatus::Failed,
         (None, None, None) if survey.traced || survey.unsolved == 0 => PeakStatus::Surveyed,
         (None, None, None) => PeakStatus::Followed,
     }

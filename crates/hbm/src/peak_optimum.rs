@@ -4,8 +4,8 @@ use crate::error::PlanError;
 use crate::peak_branch::{Family, Node};
 use crate::peak_search::Summit;
 
-/// The parameter is found to this relative accuracy.
-const CLOSE: f64 = 1e-7;
+/// A crossing is found to this relative accuracy in the parameter; a smooth minimum to what its flatness leaves, about 1e-7.
+const CLOSE: f64 = 1e-8;
 
 /// Evaluations at most.
 const MOST: usize = 100;
@@ -32,7 +32,7 @@ impl Lowest {
 }
 
 impl Family<'_> {
-    /// Peaks of all branches at a coordinate, the highest first; `None` where one of them was not found.
+    /// The highest peaks at a coordinate, the highest first; `None` where one of them was not found.
     ///
     /// # Errors
     /// As [`crate::Plan::new`].
@@ -42,12 +42,10 @@ impl Family<'_> {
         at: f64,
     ) -> Result<Option<Vec<(usize, Summit)>>, PlanError> {
         let mut peaks = Vec::new();
-        for (index, branch) in branches.iter().enumerate() {
-            match self.on(branch, at)? {
-                Some(Some(summit)) => peaks.push((index, summit)),
-                Some(None) => return Ok(None),
-                None => {}
-            }
+        for index in self.relevant(branches, at) {
+            let Some(branch) = branches.get(index) else { continue };
+            let Some(summit) = self.on(branch, at)? else { return Ok(None) };
+            peaks.push((index, summit));
         }
         peaks.sort_by(|a, b| b.1.amplitude.total_cmp(&a.1.amplitude));
         Ok((!peaks.is_empty()).then_some(peaks))

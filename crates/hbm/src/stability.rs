@@ -13,12 +13,12 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 use contact::{ContactState, LawError, Motion, Tangent};
-use faer::{Mat, c64};
+use faer::Mat;
 use num_complex::Complex64;
 use thiserror::Error;
 
-use crate::dense::Lu;
-use crate::hill::{Hill, HillError, PeriodicSpring, distance};
+use crate::beyond::Longer;
+use crate::hill::{Hill, HillError, PeriodicSpring, distance, sort};
 use crate::plan::Plan;
 use crate::problem::Contact;
 use crate::solution::{ContactSolution, Solution};
@@ -71,8 +71,8 @@ pub struct Stability {
 impl Stability {
     /// Sorts `multipliers` and judges by the largest.
     pub fn new(mut multipliers: Vec<Complex64>, error: f64, method: StabilityMethod) -> Self {
-        multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
-        let largest = multipliers.first().map_or(0.0, |largest| largest.norm());
+        sort(&mut multipliers);
+        let largest = multipliers.iter().map(|value| value.norm()).fold(0.0, f64::max);
         let verdict = match largest - 1.0 {
             beyond if beyond > error => Verdict::Unstable,
             beyond if beyond < -error => Verdict::Stable,
@@ -104,6 +104,12 @@ pub enum NoStability {
     /// Friction in several directions is part of the state.
     #[error("friction in a joint remembers its motion, so local stiffness and damping do not describe it")]
     Joint,
+    /// The harmonics of its stiffness do not end.
+    #[error("contact {contact:?} changes its stiffness too suddenly for Hill's matrix")]
+    Sudden {
+        /// Its name.
+        contact: String,
+    },
     /// A set-valued law has no derivative at rest.
     #[error("contact {contact:?} is held at rest by a law that has no derivative there")]
     Held {
@@ -140,10 +146,13 @@ const FIRST_SAMPLES: usize = 64;
 const MOST_SAMPLES: usize = 1 << 14;
 
 /// Coefficients below this part of the largest are rounding.
-const ROUNDING: f64 = 1e-15;
+pub(crate) const ROUNDING: f64 = 1e-15;
 
 /// κ counts as resolved when the upper half of its harmonics is below this part of the largest.
 const RESOLVED: f64 = 1e-13;
+
+/// One Newton step finds most of a distance, not all of it.
+const CAUTION: f64 = 2.0;
 
 /// The structure by mass-weighted coordinates: L, K̃ = L⁻¹ C L⁻ᵀ, D̃ = L⁻¹ D L⁻ᵀ.
 struct Weighted {
@@ -153,14 +162,12 @@ struct Weighted {
 }
 
 /// A contact along a motion, as harmonics of the base frequency.
-struct Local {
+pub(crate) struct Local {
     /// Two-sided coefficients of κ in N/m and of ∂f/∂(du/dτ) in N/m.
-    stiffness: Vec<Complex64>,
-    rate: Vec<Complex64>,
-    /// One-sided force harmonics in N.
-    force: Vec<Complex64>,
-    /// Size of what the samples may have missed of κ, in N/m.
-    unresolved: f64,
+    pub(crate) stiffness: Vec<Complex64>,
+    pub(crate) rate: Vec<Complex64>,
+    /// Likewise of the force in N.
+    pub(crate) force: Vec<Complex64>,
 }
 
 impl Plan {
@@ -193,13 +200,15 @@ impl Plan {
             each.map(|(contact, (report, motion))| self.local(contact, report, motion, omega)).collect()
         };
         let local = along(&motions)?;
-        let (hill, unresolved) = self.hill(&weighted, &local, omega)?;
+        let hill = self.hill(&weighted, &local, omega)?;
         let found = hill.multipliers()?;
-        let mut error = found.error + unresolved;
-        // The solution leaves harmonics out; what they would change is seen with a first guess at them.
-        if let Some(longer) = self.longer(solution, &local, &motions, omega) {
-            let (longer, _) = self.hill(&weighted, &along(&longer)?, omega)?;
-            error += distance(&longer.multipliers_with(found.truncation)?, &found.values);
+        let mut error = found.error;
+        // The solution leaves harmonics out; what they would change is seen one Newton step further on.
+        let matrices = (mass, damping, stiffness);
+        let step = Longer { plan: self, matrices, solution, local: &local, omega };
+        if let Some(longer) = step.motions(&motions) {
+            let longer = self.hill(&weighted, &along(&longer)?, omega)?;
+            error += CAUTION * distance(&longer.multipliers_with(found.truncation)?, &found.values);
         }
         // μ = λ^p over all p periods of the coefficients in one of the excitation.
         let periods = self.periods() as i32;
@@ -229,16 +238,13 @@ impl Plan {
         self.harmonics.fundamental * self.halves()
     }
 
-    /// The system without dimensions, and a bound on what the samples of κ missed.
-    fn hill(&self, weighted: &Weighted, local: &[Local], omega: f64) -> Result<(Hill, f64), NoStability> {
+    /// The system without dimensions.
+    fn hill(&self, weighted: &Weighted, local: &[Local], omega: f64) -> Result<Hill, NoStability> {
         let halves = self.halves();
         let omega = omega * halves as f64;
-        let mut unresolved = 0.0;
         let springs = self.contacts.iter().zip(local).map(|(contact, local)| {
             let direction = forward(&weighted.root, &direction(contact, weighted.root.nrows()));
             let scale = contact.scale / (omega * omega);
-            let square: f64 = direction.iter().map(|b| b * b).sum();
-            unresolved += TAU * square * scale * local.unresolved;
             let every = |all: &[Complex64], by: f64| all.iter().step_by(halves).map(|z| z * by).collect();
             PeriodicSpring {
                 direction,
@@ -249,7 +255,7 @@ impl Plan {
         let springs: Vec<PeriodicSpring> = springs.collect();
         let stiffness = &weighted.stiffness * faer::Scale(1.0 / (omega * omega));
         let damping = &weighted.damping * faer::Scale(1.0 / omega);
-        Ok((Hill::new(&stiffness, &damping, &springs)?, unresolved))
+        Ok(Hill::new(&stiffness, &damping, &springs)?)
     }
 
     /// κ, c and the force of a contact along its motion.
@@ -287,63 +293,15 @@ impl Plan {
             let mut of = |values: &[f64]| transform.to_coefficients(values, &mut buffers).to_vec();
             let stiffness = of(&tangent.local);
             let rate = tangent.rate().map_or(Vec::new(), &mut of);
-            let missed = unresolved(&stiffness).max(unresolved(&rate));
-            if missed == 0.0 || samples >= MOST_SAMPLES {
-                let force = of(&force).into_iter().map(|f| 2.0 * f).collect();
-                let (stiffness, rate) = (trimmed(stiffness), trimmed(rate));
-                return Ok(Local { stiffness, rate, force, unresolved: missed });
+            if resolved(&stiffness) && resolved(&rate) {
+                let force = of(&force);
+                return Ok(Local { stiffness: trimmed(stiffness), rate: trimmed(rate), force });
+            }
+            if samples >= MOST_SAMPLES {
+                return Err(NoStability::Sudden { contact: name() });
             }
             samples *= 2;
         }
-    }
-
-    /// The motions of the contacts with a guess at the harmonics above those of the solution, from the forces that its
-    /// balance leaves out: δw_k = −H_k⁻¹ B F_k. `None` where there are no such forces.
-    fn longer(
-        &self,
-        solution: &Solution,
-        local: &[Local],
-        motions: &[Vec<Complex64>],
-        omega: f64,
-    ) -> Option<Vec<Vec<Complex64>>> {
-        let (mass, damping, stiffness) = self.structure.dense()?;
-        let n = mass.nrows();
-        let slots = solution.contacts.first()?.displacement.len();
-        let highest = self.harmonics.reduced.get(slots.checked_sub(1)?).copied().filter(|k| *k > 0)?;
-        let size = |force: &[Complex64]| force.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        let largest = local.iter().map(|local| size(&local.force)).fold(0.0, f64::max);
-        let mut motions = motions.to_vec();
-        let (mut lu, mut rhs) = (Lu::<c64>::new(n, 1), Mat::<c64>::zeros(n, 1));
-        let mut any = false;
-        for k in highest + 1..=4 * highest + 4 {
-            let force = |local: &Local| local.force.get(k).copied().unwrap_or_default();
-            if local.iter().all(|local| force(local).norm() <= ROUNDING * largest) {
-                continue;
-            }
-            let turn = k as f64 * omega;
-            for j in 0..n {
-                for i in 0..n {
-                    lu.matrix[(i, j)] =
-                        c64::new(stiffness[(i, j)] - turn * turn * mass[(i, j)], turn * damping[(i, j)]);
-                }
-                rhs[(j, 0)] = c64::ZERO;
-            }
-            for (contact, local) in self.contacts.iter().zip(local) {
-                rhs[(contact.first, 0)] -= force(local) * contact.scale;
-                if let Some(second) = contact.second {
-                    rhs[(second, 0)] += force(local) * contact.scale;
-                }
-            }
-            lu.factor(n);
-            lu.solve(rhs.as_mut());
-            for (contact, motion) in self.contacts.iter().zip(&mut motions) {
-                motion.resize(motion.len().max(k + 1), Complex64::ZERO);
-                let second = contact.second.map_or(c64::ZERO, |second| rhs[(second, 0)]);
-                motion[k] = rhs[(contact.first, 0)] - second;
-            }
-            any = true;
-        }
-        any.then_some(motions)
     }
 }
 
@@ -351,15 +309,14 @@ impl Local {
     /// A spring that does not change.
     fn spring(stiffness: f64) -> Self {
         let stiffness = vec![Complex64::from(stiffness)];
-        Self { stiffness, rate: Vec::new(), force: Vec::new(), unresolved: 0.0 }
+        Self { stiffness, rate: Vec::new(), force: Vec::new() }
     }
 }
 
-/// What the coefficients' upper half says about those that are not there; zero where it is next to nothing.
-fn unresolved(coefficients: &[Complex64]) -> f64 {
+/// Whether the upper half of the coefficients is next to nothing, so that those that are not there are less.
+fn resolved(coefficients: &[Complex64]) -> bool {
     let size = |part: &[Complex64]| part.iter().map(|z| z.norm()).fold(0.0, f64::max);
-    let upper = coefficients.get(coefficients.len() / 2..).unwrap_or_default();
-    if size(upper) <= RESOLVED * size(coefficients) { 0.0 } else { upper.iter().map(|z| z.norm()).sum() }
+    size(coefficients.get(coefficients.len() / 2..).unwrap_or_default()) <= RESOLVED * size(coefficients)
 }
 
 /// Without what is rounding at the end.

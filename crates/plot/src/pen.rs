@@ -15,6 +15,8 @@ pub struct Pen {
 
 /// What the figure is about: dark and solid.
 pub const MAIN: Pen = Pen { color: "#12397a", width: 1.4, dash: None, dot: None };
+/// Parts of it that are unstable: dashed.
+pub const UNSTABLE: Pen = Pen { color: "#12397a", width: 1.2, dash: Some("4 2.5"), dot: None };
 /// What it is compared with: lighter in grey print, dash-dotted.
 pub const REFERENCE: Pen = Pen { color: "#d2691e", width: 1.2, dash: Some("6 2 1.5 2"), dot: None };
 /// A fit over its data: dashed.

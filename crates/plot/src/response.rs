@@ -6,6 +6,7 @@ use anyhow::{Result, ensure};
 
 use super::axis::Axis;
 use super::chart::{BOTTOM, BOTTOM_BARE, Chart, Curve, TOP};
+use super::curve_plot::{by_stability, marks};
 use super::sheet::COLUMN;
 use super::{image, pen, sheet};
 
@@ -20,6 +21,8 @@ pub struct Panel {
     pub linear: Vec<(f64, Option<f64>)>,
     /// For each point of `contact`: a contact left the range its law was measured in. May be empty.
     pub extrapolated: Vec<bool>,
+    /// Likewise: the point is known to be unstable. May be empty.
+    pub unstable: Vec<bool>,
 }
 
 /// A forced response.
@@ -74,13 +77,15 @@ fn draw(response: &Response) -> Result<String> {
         let y = Axis::decades(label.clone(), amplitudes)
             .or_else(|| Axis::decades(label, [1e-6].into_iter()))
             .unwrap_or_else(|| x.clone());
+        let (stable, unstable) = by_stability(panel.contact.into_iter().zip(marks(&panel.unstable)));
         Chart {
             heading: panel.title,
             x: x.clone(),
             y,
             curves: vec![
                 Curve { name: "without contact", points: panel.linear, pen: pen::REFERENCE },
-                Curve { name: "with contact", points: panel.contact, pen: pen::MAIN },
+                Curve { name: "with contact", points: stable, pen: pen::MAIN },
+                Curve { name: "", points: unstable, pen: pen::UNSTABLE },
             ],
             rug,
             rug_name: "extrapolated",
@@ -96,13 +101,13 @@ fn draw(response: &Response) -> Result<String> {
 
 /// The panel with its points in the order of frequency; a scene may list them in any.
 fn in_order(panel: &Panel) -> Panel {
-    let marks = panel.extrapolated.iter().copied().chain(std::iter::repeat(false));
+    let marks = marks(&panel.extrapolated).zip(marks(&panel.unstable));
     let mut contact: Vec<_> = panel.contact.iter().copied().zip(marks).collect();
     contact.sort_by(|((a, _), _), ((b, _), _)| a.total_cmp(b));
     let mut linear = panel.linear.clone();
     linear.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-    let (contact, extrapolated) = contact.into_iter().unzip();
-    Panel { title: panel.title.clone(), contact, linear, extrapolated }
+    let (contact, (extrapolated, unstable)) = contact.into_iter().unzip();
+    Panel { title: panel.title.clone(), contact, linear, extrapolated, unstable }
 }
 
 /// "W_12" as it is printed: W₁₂.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use hbm::{ContinuationOptions, CurveEnd, CurvePoint};
+use hbm::{ContinuationOptions, CurveEnd, CurvePoint, Problem, Solution};
 use serde::Serialize;
 
 use crate::error::SceneError;
@@ -11,6 +11,7 @@ use crate::notes;
 use crate::outcome::{Names, Point};
 use crate::reduction::ReductionFacts;
 use crate::scene::Scene;
+use crate::stability::{self, Judge};
 use crate::variants::Variants;
 
 /// What a curve runs along.
@@ -118,24 +119,56 @@ impl Scene {
         variants: Option<&Variants>,
         options: &ContinuationOptions,
     ) -> Result<CurveOutcome, SceneError> {
+        self.curve_judged(along, range, variants, options, None)
+    }
+
+    /// Likewise; where stability is wanted, `judge` is asked about points whose contacts remember.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the problem cannot be posed where the curve begins.
+    pub fn curve_judged(
+        &self,
+        along: Along,
+        range: (f64, f64),
+        variants: Option<&Variants>,
+        options: &ContinuationOptions,
+        judge: Option<&Judge>,
+    ) -> Result<CurveOutcome, SceneError> {
         let began = Instant::now();
         let scene = self.clone().with_frequencies(frequencies(along, range));
         let posed = scene.posed(&mut |_| ())?;
+        let problem = |value: f64| -> Option<Problem> {
+            let (Along::Entry { pointer, .. }, Some(variants)) = (along, variants) else {
+                return Some(posed.problem.clone());
+            };
+            let scene = variants.scene(&[(pointer, value)]).ok()?;
+            let scene = scene.with_harmonics(self.harmonics()).ok()?;
+            let scene = scene.with_frequencies(frequencies(along, range));
+            Some(scene.recovering(self.output.clone()).problem().ok()?.clone())
+        };
         let curve = match (along, variants) {
-            (Along::Entry { pointer, frequency }, Some(variants)) => {
-                let problem = |value: f64| {
-                    let scene = variants.scene(&[(pointer, value)]).ok()?;
-                    let scene = scene.with_harmonics(self.harmonics()).ok()?;
-                    let scene = scene.with_frequencies(frequencies(along, range));
-                    Some(scene.recovering(self.output.clone()).problem().ok()?.clone())
-                };
+            (Along::Entry { frequency, .. }, Some(_)) => {
                 hbm::entry_curve(&problem, frequency, &self.settings, range, options)
             }
             _ => hbm::frequency_curve(&posed.problem, &self.settings, range, options),
         };
-        let curve = curve.map_err(|error| SceneError::entry(&error.place, error.problem))?;
+        let mut curve = curve.map_err(|error| SceneError::entry(&error.place, error.problem))?;
         let plan = hbm::Plan::new(&posed.problem, &self.settings)
             .map_err(|error| SceneError::entry(&error.place, error.problem))?;
+        let mut unknown = Vec::new();
+        if self.settings.stability {
+            let find = |value: f64, solution: &Solution| {
+                let problem = problem(value).ok_or("the scene makes no sense there")?;
+                match judge {
+                    Some(judge) => judge(&problem, plan.orders(), solution),
+                    None => {
+                        Err(plan.stability(solution).map_or_else(|why| why.to_string(), |_| String::new()))
+                    }
+                }
+            };
+            let points = curve.points.iter_mut().map(|point| (point.parameter, &mut point.solution));
+            unknown = stability::judge(points, &find);
+        }
         let names = Names::of(self, plan.orders());
         let dofs: Vec<String> = self.output().into_iter().map(str::to_owned).collect();
         let point = |point: &CurvePoint| CurveOutcomePoint {
@@ -154,6 +187,7 @@ impl Scene {
         let mut notes = self.notes.clone();
         notes.extend(posed.notes());
         notes.extend(notes::extrapolated(self, &places, &unit));
+        notes.extend(stability::notes(places.iter().copied(), &unknown, &unit));
         Ok(CurveOutcome {
             format_version: 1,
             scene: self.name.clone(),

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::reduction::{Reduced, SMALL, Wish};
 use crate::run::Prepared;
+use crate::stability;
 use crate::structure::Structure;
 
 /// One step of the method.
@@ -18,7 +19,7 @@ pub struct Step {
     pub why: String,
 }
 
-fn step(what: &'static str, used: bool, why: impl Into<String>) -> Step {
+pub(crate) fn step(what: &'static str, used: bool, why: impl Into<String>) -> Step {
     Step { what, used, why: why.into() }
 }
 
@@ -56,6 +57,7 @@ pub(crate) fn steps(prepared: &Prepared) -> Vec<Step> {
     steps.push(needed_harmonics(settings));
     steps.push(slaved_harmonics(&facts));
     steps.push(estimate(&facts, settings));
+    steps.push(stability::explain(scene));
     let alone = "each frequency is solved on its own (stickslip continue follows the response as a curve)";
     steps.push(step("continuation through folds", false, alone));
     steps
@@ -257,15 +259,19 @@ fn several_directions(prepared: &Prepared, facts: &PlanFacts) -> Step {
         (0, count) => format!("{count} with two tangential directions"),
         (line, plane) => format!("{line} with one tangential direction, {plane} with two"),
     };
-    step(
-        what,
-        true,
-        format!(
-            "{which}, under a normal load that the motion changes; their forces are followed over {} instants of a period \
-             until they repeat",
+    let how = match facts.joints_by_events {
+        0 => {
+            format!("their forces are followed over {} instants of a period until they repeat", facts.samples)
+        }
+        all if all == facts.joints => {
+            "their forces come from their events, without sampling error".to_owned()
+        }
+        some => format!(
+            "the forces of {some} come from their events, the others are followed over {} instants of a period until they repeat",
             facts.samples
         ),
-    )
+    };
+    step(what, true, format!("{which}, under a normal load that the motion changes; {how}"))
 }
 
 fn iteration(facts: &PlanFacts, jacobian: Jacobian) -> Vec<Step> {

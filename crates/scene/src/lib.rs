@@ -54,6 +54,7 @@ mod scene;
 mod schema;
 mod solver;
 mod sparse;
+mod stability;
 mod structure;
 mod variants;
 
@@ -77,6 +78,7 @@ pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Motion, Prepared, Solved};
 pub use scene::Scene;
 pub use schema::SCHEMA;
+pub use stability::{Judge, PointStability};
 pub use variants::Variants;
 
 /// Reading of JSON whose errors name the entry; for files like a scene's.

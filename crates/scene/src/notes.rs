@@ -55,7 +55,7 @@ fn span<'a>(solutions: impl Iterator<Item = &'a Solution>) -> Option<String> {
 }
 
 /// "3 points between 40 and 42 Hz".
-fn range(places: Vec<f64>, unit: &str) -> Option<String> {
+pub(crate) fn range(places: Vec<f64>, unit: &str) -> Option<String> {
     let least = places.iter().copied().reduce(f64::min)?;
     let most = places.iter().copied().reduce(f64::max)?;
     Some(match places.len() {

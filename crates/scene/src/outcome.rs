@@ -13,6 +13,7 @@ use crate::notes;
 use crate::reduction::ReductionFacts;
 use crate::run::Solved;
 use crate::scene::Scene;
+use crate::stability::{self, PointStability};
 
 /// The result of a sweep.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -84,9 +85,19 @@ pub struct Point {
     /// What each contact does; not there when the point failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contacts: Option<Named<ContactOutcome>>,
+    /// Whether it is stable; not there when that was not asked for or the point failed, null where it is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Option<PointStability>>,
     /// The other solutions, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub others: Option<Vec<Point>>,
+}
+
+impl Point {
+    /// Whether it is known to be unstable.
+    pub fn is_unstable(&self) -> bool {
+        matches!(&self.stability, Some(Some(stability)) if stability.stable == Some(false))
+    }
 }
 
 /// One contact at one frequency: its law acts in one direction or in several.
@@ -231,6 +242,8 @@ impl Outcome {
         let (scene, plan) = (solved.prepared.scene, &solved.prepared.plan);
         let names = Names::of(scene, plan.orders());
         let mut notes = notes::all(solved.prepared, solved.solutions());
+        let places = solved.solutions().iter().map(|solution| (solution.frequency, solution));
+        notes.extend(stability::notes(places, &solved.unknown, " Hz"));
         if solved.interrupted() {
             let (done, all) = (solved.solutions().len(), scene.frequencies().as_slice().len());
             notes.push(format!("stopped after {done} of {all} points; the others are not in the result"));
@@ -279,6 +292,7 @@ pub(crate) struct Names<'a> {
     contacts: Vec<(&'a str, Place)>,
     orders: &'a [usize],
     others: bool,
+    stability: bool,
 }
 
 impl<'a> Names<'a> {
@@ -288,6 +302,7 @@ impl<'a> Names<'a> {
             contacts: scene.contacts().zip(scene.contacts.order.iter().copied()).collect(),
             orders,
             others: scene.settings.all_solutions,
+            stability: scene.settings.stability,
         }
     }
 
@@ -327,6 +342,8 @@ impl<'a> Names<'a> {
             solutions: solution.solutions,
             displacement: solved.then(displacement),
             contacts: solved.then(contacts),
+            stability: (solved && self.stability)
+                .then(|| solution.stability.as_ref().map(PointStability::new)),
             others: others.then(|| solution.others.iter().map(|other| self.point(other, false)).collect()),
         }
     }

@@ -27,6 +27,8 @@ pub struct Responses {
     pub responses: Vec<Response>,
     /// One entry a frequency: some contact's law is extrapolated.
     pub extrapolated: Vec<bool>,
+    /// Likewise: the point is known to be unstable.
+    pub unstable: Vec<bool>,
 }
 
 /// A maximum of a response.
@@ -80,7 +82,14 @@ impl Responses {
             let joints = solution.joints.iter().map(|joint| joint.extrapolated);
             solution.contacts.iter().map(|contact| contact.extrapolated).chain(joints).any(|left| left)
         };
-        Self { harmonic, responses, extrapolated: solutions.iter().map(left).collect() }
+        let unstable =
+            |s: &hbm::Solution| s.stability.as_ref().is_some_and(|s| s.verdict == hbm::Verdict::Unstable);
+        Self {
+            harmonic,
+            responses,
+            extrapolated: solutions.iter().map(left).collect(),
+            unstable: solutions.iter().map(unstable).collect(),
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use crate::pose::Posed;
 use crate::reduction::ReductionFacts;
 use crate::response::Responses;
 use crate::scene::Scene;
+use crate::stability::{self, Judge};
 
 /// A scene and the plan that solves it.
 #[derive(Debug)]
@@ -36,6 +37,8 @@ pub struct Motion {
 pub struct Solved<'s> {
     pub(crate) prepared: &'s Prepared<'s>,
     pub(crate) sweep: Sweep,
+    /// Where stability is not known, and why.
+    pub(crate) unknown: Vec<(f64, String)>,
     solve: Duration,
 }
 
@@ -62,8 +65,14 @@ impl<'s> Prepared<'s> {
     /// Solves every frequency of the scene.
     pub fn solve(&self, options: &SweepOptions) -> Solved<'_> {
         let began = Instant::now();
-        let sweep = hbm::sweep(&self.plan, self.scene.frequencies.as_slice(), options);
-        Solved { prepared: self, sweep, solve: began.elapsed() }
+        let mut sweep = hbm::sweep(&self.plan, self.scene.frequencies.as_slice(), options);
+        let mut unknown = Vec::new();
+        if self.scene.settings.stability {
+            let by_balance =
+                |_: f64, solution: &Solution| self.plan.stability(solution).map_err(|why| why.to_string());
+            unknown = stability::judge(by_frequency(&mut sweep), &by_balance);
+        }
+        Solved { prepared: self, sweep, unknown, solve: began.elapsed() }
     }
 
     /// The plan behind it.
@@ -77,7 +86,21 @@ impl<'s> Prepared<'s> {
     }
 }
 
+fn by_frequency(sweep: &mut Sweep) -> impl Iterator<Item = (f64, &mut Solution)> {
+    sweep.solutions.iter_mut().map(|solution| (solution.frequency, solution))
+}
+
 impl Solved<'_> {
+    /// Asks `judge` for the stability of the points whose contacts remember, where stability is wanted.
+    pub fn judge(&mut self, judge: &Judge) {
+        let Some(posed) = self.prepared.posed.filter(|_| !self.unknown.is_empty()) else { return };
+        let began = Instant::now();
+        let orders = self.prepared.plan.orders();
+        let find = |_: f64, solution: &Solution| judge(&posed.problem, orders, solution);
+        self.unknown = stability::judge(by_frequency(&mut self.sweep), &find);
+        self.solve += began.elapsed();
+    }
+
     /// Stopped before the last point.
     pub fn interrupted(&self) -> bool {
         self.sweep.interrupted

@@ -5,7 +5,7 @@ use hbm::{Jacobian, Settings, Start};
 use crate::error::SceneError;
 use crate::read::Node;
 
-pub(crate) const KEYS: [&str; 4] = ["start", "jacobian", "samples", "estimate"];
+pub(crate) const KEYS: [&str; 5] = ["start", "jacobian", "samples", "estimate", "stability"];
 
 /// More samples a period than this are a slip of the pen.
 const MOST_SAMPLES: usize = 1 << 20;
@@ -15,7 +15,7 @@ pub(crate) fn read(solver: Option<Node>, settings: &mut Settings) -> Result<Opti
     let Some(solver) = solver else {
         return Ok(None);
     };
-    let solver = solver.object("start, jacobian, samples, estimate", &KEYS)?;
+    let solver = solver.object("start, jacobian, samples, estimate, stability", &KEYS)?;
     if let Some(start) = solver.get("start") {
         settings.start = start.choice(&[("ladder", Start::Ladder), ("march", Start::March)])?;
     }
@@ -27,5 +27,6 @@ pub(crate) fn read(solver: Option<Node>, settings: &mut Settings) -> Result<Opti
         settings.samples = Some(samples.whole(4, MOST_SAMPLES)?);
     }
     let flag = |node: Node| node.flag().ok_or_else(|| node.must_be("true or false"));
+    settings.stability = solver.get("stability").map(flag).transpose()?.unwrap_or(false);
     solver.get("estimate").map(flag).transpose()
 }

@@ -3,24 +3,29 @@
 use std::f64::consts::TAU;
 
 use contact::{ElasticCoulomb, JointMechanism, Mechanism};
-use hbm::{Plan, Solution};
+use hbm::Solution;
 use num_complex::Complex64;
 use orbit::{State, System};
 
 use crate::periodic::{dense, samples};
 
-/// The state at t = 0 of a solution that recovers every dof of `system` in order.
-pub(crate) fn state(system: &System, plan: &Plan, solution: &Solution) -> State {
+/// The state at t = 0 of a solution, with the amplitudes of every dof of `system` at the harmonics `orders`.
+pub(crate) fn state(
+    system: &System,
+    orders: &[usize],
+    displacement: &[Vec<Complex64>],
+    solution: &Solution,
+) -> State {
     let omega = TAU * solution.frequency;
     let mut state = State::default();
-    for row in &solution.displacement {
-        let (displacement, velocity) = samples(&dense(plan.orders(), row), 1);
+    for row in displacement {
+        let (displacement, velocity) = samples(&dense(orders, row), 1);
         state.displacement.extend(displacement);
         state.velocity.extend(velocity.iter().map(|v| v * omega));
     }
     for (contact, report) in system.contacts.iter().zip(&solution.contacts) {
         if let Mechanism::Sliders { sliders, .. } = contact.law.mechanism() {
-            let path = relative_displacement(plan, &report.displacement);
+            let path = relative_displacement(orders, &report.displacement);
             state.sliders.extend(sliders.iter().map(|slider| contact.scale * settled(slider, &path)));
         }
     }
@@ -36,8 +41,8 @@ pub(crate) fn state(system: &System, plan: &Plan, solution: &Solution) -> State 
 }
 
 /// One period in time, beginning and ending at t = 0.
-fn relative_displacement(plan: &Plan, amplitudes: &[Complex64]) -> Vec<f64> {
-    let spectrum = dense(plan.orders(), amplitudes);
+fn relative_displacement(orders: &[usize], amplitudes: &[Complex64]) -> Vec<f64> {
+    let spectrum = dense(orders, amplitudes);
     let count = (16 * spectrum.len()).max(512);
     let (mut path, _) = samples(&spectrum, count);
     path.extend(path.first().copied());

@@ -16,6 +16,7 @@ pub(super) fn example(panels: usize) -> Response {
             contact: frequencies.iter().map(|&f| (f, (!missing(f)).then(|| contact(f)))).collect(),
             linear: frequencies.iter().map(|&f| (f, Some(linear(f)))).collect(),
             extrapolated: frequencies.iter().map(|f| (80.0..125.0).contains(f)).collect(),
+            unstable: Vec::new(),
         }
     };
     Response {
@@ -95,6 +96,7 @@ fn stretches_meet_halfway() {
         contact: [1.0, 2.0, 3.0, 4.0, 5.0].map(|f| (f, Some(1.0))).to_vec(),
         linear: Vec::new(),
         extrapolated: vec![true, false, true, true, false],
+        unstable: Vec::new(),
     };
     assert_eq!(extrapolated_stretches(&panel), [(1.0, 1.5), (2.5, 4.5)]);
 }
@@ -135,6 +137,7 @@ fn a_single_frequency_is_a_dot_on_labelled_axes() {
             contact: vec![(55.0, Some(2e-6))],
             linear: vec![(55.0, None)],
             extrapolated: vec![true],
+            unstable: Vec::new(),
         }],
         quantity: "amplitude".into(),
     };

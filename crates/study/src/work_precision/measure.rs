@@ -179,7 +179,8 @@ fn orbit_from_balance(
         orbits.clear();
         for (system, truth) in systems.iter().zip(truths) {
             plan.solve_into(truth.frequency, &mut workspace, &mut solution);
-            let start = solution.status.solved().then(|| start::state(system, &plan, &solution));
+            let start = (solution.status.solved())
+                .then(|| start::state(system, plan.orders(), &solution.displacement, &solution));
             let settings = orbit::Settings { start, ..orbit::Settings::default() };
             orbits.push(orbit::find(system, truth.frequency, &settings).ok());
         }
