@@ -244,7 +244,7 @@ fn a_delay_of_the_excitation_delays_the_motion() {
 /// Through the resonances every point has a solution for every N, and the same from any number of threads.
 #[test]
 fn every_point_of_a_sweep_is_solved() {
-    let frequencies: Vec<f64> = (0..45).map(|i| 30.0 + 4.0 * i as f64).collect();
+    let frequencies: Vec<f64> = (0..22).map(|i| 30.0 + 8.0 * i as f64).collect();
     for (preload, gap) in [(Some(10.0), None), (Some(0.0), None), (None, Some(1e-5)), (None, Some(-2e-5))] {
         let problem = two_bodies(friction(preload, gap, 1), 0.0, 0.0);
         for harmonics in [1, 3, 7, 15] {
@@ -263,7 +263,7 @@ fn every_point_of_a_sweep_is_solved() {
                 assert!(solution.joints[0].dissipation > -1e-9);
             }
             let parted = solutions.iter().filter(|s| s.joints[0].apart > 0.0).count();
-            assert!(parted > 20, "{parted} points with lift-off");
+            assert!(parted > 9, "{parted} points with lift-off");
             if harmonics == 3 {
                 assert_eq!(solutions, sweep(1));
             }
@@ -296,6 +296,10 @@ fn errors_fall_with_harmonics_and_samples() {
         let estimated = solved(&problem, &settings, hertz);
         let (estimate, error) = (estimated.truncation_error.unwrap(), errors[1]);
         assert!(estimate > 0.5 * error && estimate < 50.0 * error, "{hertz} Hz: {estimate:e} for {error:e}");
+        let adaptive = Settings { truncation: Some(3e-3), ..Settings::new(31) };
+        let adapted = solved(&problem, &adaptive, hertz);
+        assert!(adapted.harmonics < 31 && adapted.truncation_error.unwrap() <= 3e-3);
+        assert!(distance(&adapted, &reference, 0.0) < 3e-3, "{hertz} Hz, N = {}", adapted.harmonics);
         let (estimate, error) = (estimated.sampling_error.unwrap(), distance(&estimated, &fine, 0.0));
         assert!(estimate > 0.3 * error && estimate < 100.0 * error, "{hertz} Hz: {estimate:e} for {error:e}");
     }
@@ -328,6 +332,18 @@ fn many_joints() {
             scale: 1.0,
         }
     });
+    let entries = |matrix: &Mat<f64>| {
+        let all = (0..dofs).flat_map(|i| (0..dofs).map(move |j| (i, j)));
+        let filled = all.filter(|&(i, j)| matrix[(i, j)] != 0.0);
+        let triplets: Vec<_> =
+            filled.map(|(i, j)| faer::sparse::Triplet::new(i, j, matrix[(i, j)])).collect();
+        faer::sparse::SparseColMat::try_new_from_triplets(dofs, dofs, &triplets).unwrap()
+    };
+    let whole = hbm::SparseModel {
+        mass: entries(&mass),
+        damping: hbm::SparseDamping::Matrix(entries(&damping)),
+        stiffness: entries(&stiffness),
+    };
     let problem = Problem {
         model: model(mass, damping, stiffness),
         excitation: vec![excitation(at(1, 3, 0), 1, 60.0, 0.0), excitation(at(1, 12, 1), 1, 40.0, 1.0)],
@@ -338,13 +354,52 @@ fn many_joints() {
     let settings = |linear_solver| Settings { linear_solver, ..Settings::new(3) };
     let plan = Plan::new(&problem, &settings(LinearSolver::Auto)).unwrap();
     assert!(plan.facts().krylov && plan.facts().joints == 20);
+    assert_eq!(plan.facts().receptances, hbm::Receptances::Modes);
+    let sparse = Problem {
+        model: whole,
+        excitation: problem.excitation.clone(),
+        contacts: Vec::new(),
+        joints: problem.joints.clone(),
+        output: problem.output.clone(),
+    };
     for hertz in [60.0, 110.0] {
         let solution = plan.solve(hertz, &mut plan.workspace());
         assert_eq!(solution.status, Status::Converged, "{hertz} Hz");
         let dense = solved(&problem, &settings(LinearSolver::Dense), hertz);
         assert!(distance(&solution, &dense, 0.0) < 1e-8);
+        // Not by modes either.
+        let direct = Plan::direct(&sparse, &settings(LinearSolver::Auto)).unwrap();
+        let direct = direct.solve(hertz, &mut direct.workspace());
+        assert!(distance(&solution, &direct, 0.0) < 1e-8);
         let moving = |s: &&hbm::JointSolution| s.state != contact::ContactState::Stick;
         assert!(solution.joints.iter().filter(moving).count() > 5);
+    }
+}
+
+/// Excited by its second harmonic alone, a point at half the frequency is the same motion twice a period.
+#[test]
+fn a_shorter_period_is_found() {
+    let problem = two_bodies(friction(Some(4.0), None, 1), 0.0, 0.0);
+    let mut doubled = problem.clone();
+    for excitation in &mut doubled.excitation {
+        excitation.harmonic = 2;
+    }
+    let (plan, twice) =
+        (Plan::new(&problem, &Settings::new(5)).unwrap(), Plan::new(&doubled, &Settings::new(10)).unwrap());
+    assert_eq!(twice.orders(), [0, 2, 4, 6, 8, 10]);
+    let once = plan.solve(66.0, &mut plan.workspace());
+    let solution = twice.solve(33.0, &mut twice.workspace());
+    assert_eq!(solution.displacement, once.displacement);
+    let (own, expected) = (&solution.joints[0], &once.joints[0]);
+    assert_eq!((&own.directions, own.apart), (&expected.directions, expected.apart));
+    assert!((own.dissipation / expected.dissipation - 2.0).abs() < 1e-14 && own.dissipation > 1e-6);
+    // The law's own force at every instant: never a pull, and no friction without pressure.
+    let wave = twice.waveform(&solution, 512).unwrap();
+    let [along, normal] = &wave.joints[0].force[..] else { panic!("two directions") };
+    for (j, (f, n)) in along.iter().zip(normal).enumerate() {
+        let pressure = 4.0 - n;
+        assert!(pressure >= -1e-12 && f.abs() <= FRICTION * pressure + 1e-9, "{j}: {f} under {pressure}");
+        assert!((f - along[(j + along.len() / 2) % along.len()]).abs() < 1e-12);
     }
 }
 
