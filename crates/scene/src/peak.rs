@@ -185,8 +185,9 @@ impl Scene {
             let failed = |error: hbm::PlanError| SceneError::entry(&error.place, error.problem);
             let found = hbm::follow_peaks(&problem, &scene.settings, &wanted).map_err(failed)?;
             harmonic = found.orders.iter().copied().find(|&k| k > 0).unwrap_or(1);
-            let highest = |p: &'_ PeakPoint| Some((p.parameter, &p.peaks.first()?.solution));
-            let places: Vec<_> = found.points.iter().filter_map(highest).collect();
+            let places: Vec<_> = (found.points.iter())
+                .filter_map(|point| Some((point.parameter, &point.peaks.first()?.solution)))
+                .collect();
             let unit = format!(" of {} (N = {n})", options.pointer);
             notes.extend(notes::extrapolated(&scene, &places, &unit));
             let stopped = found.end == PeakEnd::Stopped;
