@@ -188,7 +188,13 @@ fn text(found: &PeaksOutcome) -> String {
 
 fn row(point: &PeaksPoint) -> String {
     let value = format!("{:>12}", Short(point.parameter));
-    let Some(peak) = point.peaks.first() else { return format!("{value} no peak: {}", point.status) };
+    let Some(peak) = point.peaks.first() else {
+        let end = point.higher.filter(|_| point.sound());
+        let why = end.map_or(point.status.into(), |(hertz, height)| {
+            format!("in the range of frequencies; {height:.4e} m at its end, {hertz:.4} Hz")
+        });
+        return format!("{value} no peak: {why}");
+    };
     let mark = match (point.sound(), point.higher) {
         (false, Some((hertz, height))) => format!("  {}: {height:.4e} m at {hertz:.4} Hz", point.status),
         (false, None) => format!("  {}", point.status),

@@ -32,6 +32,7 @@ mod mode;
 mod newton;
 mod peak;
 mod peak_branch;
+mod peak_follow;
 mod peak_optimum;
 mod peak_search;
 mod peak_survey;

@@ -27,8 +27,8 @@ pub(crate) struct Survey {
 /// Points solved one by one, evenly over the range; the resonances of the linear structure come on top.
 const POINTS: usize = 33;
 
-/// Peaks below this part of the highest are left out.
-const LOW: f64 = 0.05;
+/// Peaks below this part of the highest are left out: one that becomes the highest is followed back from the next survey.
+const LOW: f64 = 0.3;
 
 /// A point counts as higher than a peak from this relative difference on.
 const HIGHER: f64 = 1e-6;

@@ -141,7 +141,21 @@ fn joined() -> Problem {
         law: Arc::new(Bulging),
         scale,
     };
-    Problem { joints: vec![joint(0.4, 1.0), joint(1.9, 0.3)], ..problem() }
+    let parameters = FrictionContactParameters {
+        tangential_stiffness: 2e6,
+        normal_stiffness: 3e6,
+        friction_coefficient: 0.4,
+        preload: Some(8.0),
+        gap: None,
+    };
+    let part = |dof: usize| Direction { parts: vec![(dof, 1.0)] };
+    let friction = Joint {
+        name: "f".into(),
+        directions: vec![part(0), part(1), part(2)],
+        law: Arc::new(FrictionContact::new(parameters, 2).unwrap()),
+        scale: 1.0,
+    };
+    Problem { joints: vec![joint(0.4, 1.0), friction, joint(1.9, 0.3)], ..problem() }
 }
 
 #[test]

@@ -31,10 +31,21 @@ pub struct PeakPlot {
 pub struct PeakPlotCurve {
     /// `N = 7`.
     pub name: String,
-    /// Parameter; frequency in Hz and amplitude in m of the highest peak, `None` where it is not known.
-    pub points: Vec<(f64, Option<(f64, f64)>)>,
-    /// Parameter, frequency in Hz and amplitude in m where the peak is lowest.
-    pub optimum: Option<(f64, f64, f64)>,
+    /// Parameter and its highest peak, `None` where it is not known.
+    pub points: Vec<(f64, Option<HighestPeak>)>,
+    /// The same where it is lowest.
+    pub optimum: Option<(f64, HighestPeak)>,
+}
+
+/// The highest peak of a response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HighestPeak {
+    /// Which of several peaks it is: frequencies leave a gap where another one becomes the highest.
+    pub branch: usize,
+    /// In Hz.
+    pub frequency: f64,
+    /// In m.
+    pub amplitude: f64,
 }
 
 /// Draws `plot` and writes it to `path`, `.svg` or `.png`.
@@ -67,16 +78,16 @@ fn draw(plot: &PeakPlot) -> Result<String> {
         }
         x
     });
-    let chart = |of: &dyn Fn((f64, f64)) -> f64, y: Option<Axis>, height: f64, lowest: bool| {
+    let chart = |of: &dyn Fn(&HighestPeak) -> f64, y: Option<Axis>, height: f64, lowest: bool| {
         let pens = PENS.iter().cycle();
         let lines = plot.curves.iter().zip(pens).map(|(curve, pen)| Curve {
             name: "",
-            points: curve.points.iter().map(|(x, peak)| (*x, peak.map(of))).collect(),
+            points: line(&curve.points, of, lowest),
             pen: *pen,
         });
         let dots = plot.curves.iter().enumerate().map(|(i, curve)| Curve {
             name: if i == 0 && curve.optimum.is_some() { "optimum" } else { "" },
-            points: curve.optimum.iter().map(|&(x, hertz, height)| (x, Some(of((hertz, height))))).collect(),
+            points: curve.optimum.iter().map(|(x, peak)| (*x, Some(of(peak)))).collect(),
             pen: pen::POINT,
         });
         Some(Chart {
@@ -94,12 +105,12 @@ fn draw(plot: &PeakPlot) -> Result<String> {
         })
     };
     let peaks = || plot.curves.iter().flat_map(|curve| curve.points.iter().filter_map(|point| point.1));
-    let amplitude = Axis::measured(&plot.quantity, "m", peaks().map(|peak| peak.1).chain([0.0]));
-    let frequency = Axis::measured("frequency", "Hz", peaks().map(|peak| peak.0));
+    let amplitude = Axis::measured(&plot.quantity, "m", peaks().map(|peak| peak.amplitude).chain([0.0]));
+    let frequency = Axis::measured("frequency", "Hz", peaks().map(|peak| peak.frequency));
     ensure!(peaks().next().is_some(), "nothing to plot: no peak is known");
     let charts = [
-        chart(&|peak| peak.1, amplitude, AMPLITUDE, false),
-        chart(&|peak| peak.0, frequency, FREQUENCY, true),
+        chart(&|peak| peak.amplitude, amplitude, AMPLITUDE, false),
+        chart(&|peak| peak.frequency, frequency, FREQUENCY, true),
     ];
     let charts: Vec<Chart> = charts.into_iter().flatten().collect();
     ensure!(charts.len() == 2, "nothing to plot: no peak is known");
@@ -112,11 +123,29 @@ fn draw(plot: &PeakPlot) -> Result<String> {
     Ok(decorated(&plot.title, 1, charts, &|chart, scene| name(chart, scene)))
 }
 
+/// The line of one quantity; frequencies leave a gap where another peak becomes the highest.
+fn line(
+    points: &[(f64, Option<HighestPeak>)],
+    of: &dyn Fn(&HighestPeak) -> f64,
+    gaps: bool,
+) -> Vec<(f64, Option<f64>)> {
+    let mut line = Vec::new();
+    let mut before = None;
+    for (x, peak) in points {
+        let branch = peak.map(|peak| peak.branch);
+        if gaps && before.is_some() && branch.is_some() && before != branch {
+            line.push((*x, None));
+        }
+        before = branch;
+        line.push((*x, peak.as_ref().map(of)));
+    }
+    line
+}
+
 /// The name of every curve at its end, where there are several.
 fn names(plot: &PeakPlot) -> Vec<Label> {
     let last = |curve: &PeakPlotCurve| {
-        let known = |point: &(f64, Option<(f64, f64)>)| Some((point.0, point.1?.1));
-        curve.points.iter().rev().find_map(known)
+        curve.points.iter().rev().find_map(|(x, peak)| Some((*x, peak.as_ref()?.amplitude)))
     };
     let label = |(curve, pen): (&PeakPlotCurve, &pen::Pen)| {
         Some(Label { text: curve.name.clone(), at: last(curve)?, color: pen.color })
@@ -133,11 +162,13 @@ mod tests {
 
     fn example(curves: usize) -> PeakPlot {
         let curve = |n: usize| {
-            let peak =
-                |x: f64| (40.0 + 20.0 * x / (x + 10.0), (2.0 + (x / 12.0).ln().powi(2)) / n as f64 * 1e-4);
+            let peak = |x: f64| HighestPeak {
+                branch: usize::from(x > 8.0),
+                frequency: 40.0 + 20.0 * x / (x + 10.0),
+                amplitude: (2.0 + (x / 12.0).ln().powi(2)) / n as f64 * 1e-4,
+            };
             let points = (0..40).map(|i| 1.1_f64.powi(i)).map(|x| (x, (x < 35.0).then(|| peak(x)))).collect();
-            let (hertz, height) = peak(12.0);
-            PeakPlotCurve { name: format!("N = {n}"), points, optimum: Some((12.0, hertz, height)) }
+            PeakPlotCurve { name: format!("N = {n}"), points, optimum: Some((12.0, peak(12.0))) }
         };
         PeakPlot {
             title: "example".into(),
