@@ -95,6 +95,9 @@ fn slaved_harmonics(facts: &PlanFacts) -> Step {
         None if facts.linear || facts.scalar => {
             step(what, false, "there is no iteration that could leave them out")
         }
+        None if facts.joints > 0 => {
+            step(what, false, "contacts in several directions: all harmonics are solved together")
+        }
         None if !facts.bounded_stiffness => {
             step(what, false, "a contact has no largest stiffness, so all harmonics are solved together")
         }
@@ -237,6 +240,9 @@ fn events(facts: &PlanFacts) -> Step {
     let what = "event-exact force";
     match facts.event_exact {
         0 if facts.scalar || facts.linear => step(what, false, "no force has to be evaluated in time"),
+        0 if facts.joints > 0 => {
+            step(what, false, "contacts in several directions are followed over samples")
+        }
         0 if facts.sampled_on_request => step(what, false, "the scene asks for samples (solver.samples)"),
         0 => step(what, false, "no law is piecewise linear"),
         1 => step(what, true, "1 contact has a piecewise linear law: exact integrals between its events"),

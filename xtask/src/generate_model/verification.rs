@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use faer::Mat;
+use scene::{Frequencies, RunOptions, Scene};
 
 use super::blade::{Blade, Cells};
 use super::material::STEEL;
@@ -238,6 +239,25 @@ fn shrouds_touch_in_three_directions_where_they_face_each_other() {
     assert_eq!(chosen[0].pairs().count(), 3);
     assert!(choose_sites(&generated.sites, generated.sites.len() + 1).is_err());
     assert!(choose_sites(&[], 1).unwrap_err().to_string().contains("--joints"));
+}
+
+#[test]
+fn a_sector_with_joints_is_a_scene_that_is_solved() {
+    let folder = tempfile::tempdir().unwrap();
+    super::run(&["sector", "--dofs", "300", "--joints", "-o", folder.path().to_str().unwrap()]).unwrap();
+    let scene = Scene::from_file(&folder.path().join("scene.json")).unwrap();
+    assert_eq!(scene.contacts().collect::<Vec<_>>(), ["shroud[0]", "shroud[1]"]);
+    let joints = &scene.problem().unwrap().joints;
+    let parts: Vec<usize> =
+        joints.iter().flat_map(|joint| &joint.directions).map(|d| d.parts.len()).collect();
+    assert_eq!(parts, [1; 6]);
+    // Both sides are pressed outwards.
+    assert_eq!(joints.iter().map(|joint| joint.directions[2].parts[0].1).collect::<Vec<_>>(), [1.0, -1.0]);
+    let some: Vec<String> = scene.frequencies().as_slice().iter().step_by(10).map(f64::to_string).collect();
+    let frequencies: Frequencies = some.join(",").parse().unwrap();
+    let scene = scene.with_harmonics(3).unwrap().with_frequencies(frequencies);
+    let solved = scene.prepare().unwrap().solve(&RunOptions::default()).outcome();
+    assert!(solved.points.iter().all(|point| point.status == "converged"));
 }
 
 #[test]
