@@ -292,8 +292,11 @@ fn errors_fall_with_harmonics_and_samples() {
         let coarse: Vec<f64> =
             [128, 512, 2048].map(|m| distance(&solved(&problem, &with(7, m), hertz), &fine, 0.0)).to_vec();
         assert!(coarse[2] < 0.05 * coarse[0], "{hertz} Hz: {coarse:?}");
-        let settings = Settings { estimate: true, ..Settings::new(7) };
-        let estimated = solved(&problem, &settings, hertz);
+        // By events there is nothing to sample.
+        let exact = solved(&problem, &Settings { estimate: true, ..Settings::new(7) }, hertz);
+        assert_eq!(exact.sampling_error, Some(0.0));
+        assert!(distance(&exact, &fine, 0.0) < 1e-6);
+        let estimated = solved(&problem, &Settings { estimate: true, ..with(7, 256) }, hertz);
         let (estimate, error) = (estimated.truncation_error.unwrap(), errors[1]);
         assert!(estimate > 0.5 * error && estimate < 50.0 * error, "{hertz} Hz: {estimate:e} for {error:e}");
         let adaptive = Settings { truncation: Some(3e-3), ..Settings::new(31) };
@@ -362,7 +365,7 @@ fn many_joints() {
         joints: problem.joints.clone(),
         output: problem.output.clone(),
     };
-    for hertz in [60.0, 110.0] {
+    for hertz in [60.0, 64.0] {
         let solution = plan.solve(hertz, &mut plan.workspace());
         assert_eq!(solution.status, Status::Converged, "{hertz} Hz");
         let dense = solved(&problem, &settings(LinearSolver::Dense), hertz);
