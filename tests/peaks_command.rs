@@ -123,7 +123,7 @@ fn wrong_words_are_answered() {
         (&vary("/excitation/0/amplitud", "1", "3")[..], "has no entry"),
         (&vary("/excitation/0/dof", "1", "3")[..], "only numbers can be varied"),
         (&vary("/harmonics", "1", "3")[..], "peaks are no curve over it"),
-        (&vary("/contacts/0/law/stiffness", "-1", "3")[..], "/contacts/0/law/stiffness = -1"),
+        (&[SLIP[0], SLIP[1], SLIP[2], "--from", "-1", "--to", "3"][..], "/contacts/0/law/slip_force = -1"),
         (&[&vary("/excitation/0/amplitude", "0", "1")[..], &["--log"]].concat(), "--from must be positive"),
         (&[&vary("/excitation/0/amplitude", "1", "3")[..], &["--dof", "w3"]].concat(), "no dof \"w3\""),
         (&[&vary("/excitation/0/amplitude", "1", "3")[..], &["--frequencies", "57"]].concat(), "range"),

@@ -13,7 +13,8 @@ use hbm::{
 use num_complex::Complex64;
 use orbit::{Orbit, State};
 use scene::Scene;
-use stickslip_tests::orbit_models::orbit_from;
+use stickslip_tests::joint_models::{balanced, one_mass, planar, preloaded};
+use stickslip_tests::orbit_models::{orbit, orbit_from};
 use stickslip_tests::{elastic_coulomb, force, model, scene_p_cubic, scene_r, to_ground, unit_masses};
 
 fn settings(harmonics: usize) -> Settings {
@@ -373,6 +374,31 @@ fn orbits_judge_sliders() {
     let (plan, solution) = solve(&scene_r(), 1, 57.0);
     let why = study::stability(&scene_r(), plan.orders(), &solution).unwrap_err();
     assert!(why.contains("more harmonics"), "{why}");
+}
+
+/// Friction under a normal load that changes, pressed all the time and lifting off: the multipliers of the orbit that is known to be
+/// the balance's motion; none where nothing is known.
+#[test]
+fn orbits_judge_friction_under_a_normal_load() {
+    for (name, system, hertz) in
+        [("pressed", one_mass(preloaded(18.0)), 60.0), ("lifted", one_mass(preloaded(6.0)), 70.0)]
+    {
+        let problem = balanced(&system);
+        let (plan, solution) = solve(&problem, 15, hertz);
+        assert_eq!(plan.stability(&solution), Err(NoStability::Joint));
+        let stability = study::stability(&problem, plan.orders(), &solution).unwrap();
+        assert_eq!(
+            (stability.verdict, stability.method),
+            (Verdict::Stable, StabilityMethod::Orbit),
+            "{name}"
+        );
+        let exact = orbit(&system, hertz).multipliers().unwrap();
+        assert!(distance(&stability.multipliers, &exact) < 1e-9, "{name}");
+    }
+    let problem = balanced(&planar(preloaded(15.0)));
+    let (plan, solution) = solve(&problem, 7, 60.0);
+    let why = study::stability(&problem, plan.orders(), &solution).unwrap_err();
+    assert!(why.contains("two directions"), "{why}");
 }
 
 /// What cannot be is refused with its reason.

@@ -75,8 +75,9 @@ struct Options {
     /// Slip force of all contacts of a blade together in N.
     #[arg(long, default_value_t = 5.0)]
     slip_force: f64,
-    /// Amplitude of the force on each blade in N; left out for a ring: 50, as less does not make its contacts slip.
-    #[arg(long, default_value_t = 1.0, default_value_if("kind", "ring", "50"))]
+    /// Amplitude of the force on each blade in N; left out for a ring: 50, for a sector with --joints: 10, as less hardly
+    /// makes their contacts slip.
+    #[arg(long, default_value_t = 1.0, default_value_ifs([("kind", "ring", "50"), ("joints", "true", "10")]))]
     force: f64,
     /// Shrouds touch in three directions: friction along the axis and outwards under a normal load around it, with the
     /// stiffness in all of them, and a preload under which a contact slips at the slip force.

@@ -12,7 +12,8 @@ use crate::virtual_environment::VirtualEnvironment;
 const BUILDING: &str = "maturin>=1.8,<2\nmypy>=1.11\nnumpy>=2\n";
 
 /// What the tests use beside the wheel.
-const TESTING: &str = "pytest>=8\nnumpy>=1.24\nscipy>=1.11\npandas>=2\nmatplotlib>=3.8\n";
+const TESTING: &str =
+    "pytest>=8\nnumpy>=1.24\nscipy>=1.11\npandas>=2\nmatplotlib>=3.8\ndistributed>=2024.1\n";
 
 /// Builds the wheel and runs type check and tests; without Python it says so, and with `required` fails.
 ///

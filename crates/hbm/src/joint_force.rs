@@ -2,12 +2,13 @@
 //!
 //! The derivative is made of what the law answers to every harmonic of every direction: with `δf_r(τ)` the change of the force
 //! in direction r by `δw_c(τ) = Re(δW e^{ijτ})`, the two-sided coefficients of `δf_r` at p are those of a block as a scalar
-//! contact has one, here one for every pair of directions (r, c).
+//! contact has one, here one for every pair of directions (r, c). A law that is piecewise linear answers by its events instead.
 
-use contact::{JointChange, JointMarks, JointMotion, JointWorkspace, LawError, Motion};
+use contact::{Coupling, JointChange, JointMarks, JointMotion, JointWorkspace, LawError, Motion};
 use faer::{Mat, c64};
 
 use crate::balance::{Balance, BalanceBuffers, Block, Homotopy, LADDER_STEP};
+use crate::pieces::PieceSeries;
 use crate::point::Point;
 use crate::problem::Joint;
 use crate::rows::joint_rows;
@@ -16,14 +17,17 @@ use crate::transform::{Buffers, Transform};
 /// Buffers of one joint; everything in time has an entry `[direction][j]`.
 #[derive(Debug)]
 pub(crate) struct JointBuffers {
-    law: Box<dyn JointWorkspace>,
+    pub(crate) law: Box<dyn JointWorkspace>,
     /// Highest harmonic of the motion, and one.
-    harmonics: usize,
+    pub(crate) harmonics: usize,
     /// W_0 … W_n in m, entry `[direction][k]`.
-    spectrum: Vec<c64>,
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
+    pub(crate) spectrum: Vec<c64>,
+    pub(crate) displacement: Vec<f64>,
+    pub(crate) velocity: Vec<f64>,
     force: Vec<f64>,
+    /// Of a law that is evaluated by its events: what couples to what, and the series of each.
+    pub(crate) couplings: Vec<Coupling>,
+    pub(crate) series: Vec<PieceSeries>,
     pub(crate) marks: JointMarks,
 }
 
@@ -36,7 +40,9 @@ pub(crate) struct JointDerivative {
     change: Vec<f64>,
     answer: Vec<f64>,
     /// In N/m, entry `[c][j][r][p]`: by direction and harmonic of the motion, then of the force.
-    blocks: Vec<Block>,
+    pub(crate) blocks: Vec<Block>,
+    /// Influences of the memories of a series, entry `[memory][p]` in N/m.
+    pub(crate) influences: Vec<c64>,
 }
 
 impl JointDerivative {
@@ -49,6 +55,7 @@ impl JointDerivative {
             change: vec![0.0; samples],
             answer: vec![0.0; directions * samples],
             blocks: Vec::new(),
+            influences: Vec::new(),
         }
     }
 
@@ -67,7 +74,10 @@ impl JointBuffers {
     pub(crate) fn new(joint: &Joint, samples: usize, highest: usize) -> Self {
         let directions = joint.directions.len();
         let in_time = || vec![0.0; directions * samples];
+        let couplings = joint.law.piecewise_linear().map_or(Vec::new(), |events| events.couplings());
         Self {
+            series: couplings.iter().map(|_| PieceSeries::default()).collect(),
+            couplings,
             law: joint.law.workspace(samples),
             harmonics: highest + 1,
             spectrum: vec![c64::ZERO; directions * (highest + 1)],
@@ -78,7 +88,7 @@ impl JointBuffers {
         }
     }
 
-    fn directions(&self) -> usize {
+    pub(crate) fn directions(&self) -> usize {
         self.spectrum.len() / self.harmonics
     }
 
@@ -139,6 +149,18 @@ impl Balance<'_> {
                     own.spectrum[direction * own.harmonics + order] = unknowns[slot * width + row] * unit;
                 }
             }
+            if let Some(events) = joint.law.piecewise_linear().filter(|_| self.exact) {
+                own.evaluate_events(events, self.transform, &mut buffers.fft)?;
+                for (direction, row) in rows.enumerate() {
+                    let unit = joint.scale / point.force[row];
+                    for slot in 0..slots {
+                        let force = own.force_by_events(direction, &self.orders[..slots], slot);
+                        buffers.forces[slot * width + row] = force * unit;
+                    }
+                    self.blend_secant(point, slots, homotopy, row, unknowns, &mut buffers.forces);
+                }
+                continue;
+            }
             own.evaluate(joint, self.transform, &mut buffers.fft)?;
             for (force, row) in own.force.chunks_exact(self.transform.samples()).zip(rows) {
                 let coefficients = self.transform.to_coefficients(force, &mut buffers.fft);
@@ -168,6 +190,10 @@ impl Balance<'_> {
         };
         derivative.blocks.clear();
         derivative.blocks.resize((directions * slots).pow(2), (c64::ZERO, c64::ZERO));
+        if self.exact && joint.law.piecewise_linear().is_some() {
+            derivative.by_events(own, &self.orders[..slots]);
+            return;
+        }
         for direction in 0..directions {
             for (j, &order) in self.orders.iter().enumerate().take(slots) {
                 for imaginary in [false, true] {

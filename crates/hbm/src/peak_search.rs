@@ -152,7 +152,7 @@ impl Tracer<'_> {
         let plan = self.course.plan();
         let solution = plan.solve(hertz, self.ws);
         self.corrections += solution.stats.iterations;
-        let moving = self.ws.point.width() == plan.contacts.len();
+        let moving = self.ws.point.width() == plan.rows();
         if solution.status != Status::Converged || !moving {
             return (None, solution);
         }

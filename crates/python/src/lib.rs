@@ -9,6 +9,7 @@ mod law;
 mod loops;
 mod points;
 mod scene;
+mod study;
 
 use pyo3::prelude::*;
 
@@ -20,6 +21,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("SCHEMA", ::scene::SCHEMA)?;
     errors::add(py, module)?;
     module.add_class::<scene::Scene>()?;
+    module.add_class::<study::Study>()?;
     module.add_class::<loops::Fit>()?;
     module.add_function(wrap_pyfunction!(loops::fit, module)?)?;
     module.add_function(wrap_pyfunction!(loops::fit_file, module)?)?;

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
 
+use ::study::{TruncationOptions, Truths};
 use contact::Law;
 use hbm::{ContinuationOptions, Origin};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use scene::{Along, BackboneOptions, RunOptions, Variants};
 use serde::Serialize;
-use study::{TruncationOptions, Truths};
 
 use crate::arrays::{shaped, vector};
 use crate::errors;
@@ -238,7 +238,7 @@ impl Scene {
         let found = watched(py, progress, &self.raised, |stop, finished| {
             let options =
                 TruncationOptions { threads, cancel: Some(stop), progress: Some(&|count| finished(count)) };
-            study::truncation(&self.scene, &harmonics, &options)
+            ::study::truncation(&self.scene, &harmonics, &options)
         })?;
         json(py, &found.map_err(errors::solve)?)
     }

@@ -175,7 +175,9 @@ impl Scene {
     /// The first dof that is excited, else the first that is recovered.
     pub(crate) fn usual_reference(&self) -> String {
         let known = self.dofs();
-        let excited = self.excited().next().and_then(|dof| known.get(dof).cloned());
+        let forces = self.excitation.iter().filter(|entry| entry.kind != hbm::ExcitationKind::Base);
+        let excited =
+            forces.filter(|entry| entry.amplitude != 0.0).find_map(|entry| known.get(entry.dof).cloned());
         excited.or_else(|| self.output().first().map(|dof| (*dof).to_owned())).unwrap_or_default()
     }
 }

@@ -95,6 +95,9 @@ fn slaved_harmonics(facts: &PlanFacts) -> Step {
         None if facts.linear || facts.scalar => {
             step(what, false, "there is no iteration that could leave them out")
         }
+        None if facts.joints > 0 => {
+            step(what, false, "contacts in several directions: all harmonics are solved together")
+        }
         None if !facts.bounded_stiffness => {
             step(what, false, "a contact has no largest stiffness, so all harmonics are solved together")
         }
@@ -237,6 +240,9 @@ fn events(facts: &PlanFacts) -> Step {
     let what = "event-exact force";
     match facts.event_exact {
         0 if facts.scalar || facts.linear => step(what, false, "no force has to be evaluated in time"),
+        0 if facts.joints > 0 => {
+            step(what, false, "contacts in several directions are followed over samples")
+        }
         0 if facts.sampled_on_request => step(what, false, "the scene asks for samples (solver.samples)"),
         0 => step(what, false, "no law is piecewise linear"),
         1 => step(what, true, "1 contact has a piecewise linear law: exact integrals between its events"),
@@ -259,15 +265,19 @@ fn several_directions(prepared: &Prepared, facts: &PlanFacts) -> Step {
         (0, count) => format!("{count} with two tangential directions"),
         (line, plane) => format!("{line} with one tangential direction, {plane} with two"),
     };
-    step(
-        what,
-        true,
-        format!(
-            "{which}, under a normal load that the motion changes; their forces are followed over {} instants of a period \
-             until they repeat",
+    let how = match facts.joints_by_events {
+        0 => {
+            format!("their forces are followed over {} instants of a period until they repeat", facts.samples)
+        }
+        all if all == facts.joints => {
+            "their forces come from their events, without sampling error".to_owned()
+        }
+        some => format!(
+            "the forces of {some} come from their events, the others are followed over {} instants of a period until they repeat",
             facts.samples
         ),
-    )
+    };
+    step(what, true, format!("{which}, under a normal load that the motion changes; {how}"))
 }
 
 fn iteration(facts: &PlanFacts, jacobian: Jacobian) -> Vec<Step> {

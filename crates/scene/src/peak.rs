@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::error::SceneError;
 use crate::frequencies::Frequencies;
 use crate::harmonics::Harmonics;
+use crate::notes;
 use crate::outcome::{Names, Point};
 use crate::scene::Scene;
 use crate::variants::Variants;
@@ -162,6 +163,7 @@ impl Scene {
             (numbers, _) => numbers.to_vec(),
         };
         let mut curves = Vec::new();
+        let mut notes = self.notes.clone();
         let mut harmonic = 1;
         for n in numbers {
             let scene = scene.clone().with_harmonics(Harmonics::All(n))?;
@@ -183,13 +185,17 @@ impl Scene {
             let failed = |error: hbm::PlanError| SceneError::entry(&error.place, error.problem);
             let found = hbm::follow_peaks(&problem, &scene.settings, &wanted).map_err(failed)?;
             harmonic = found.orders.iter().copied().find(|&k| k > 0).unwrap_or(1);
+            let places: Vec<_> = (found.points.iter())
+                .filter_map(|point| Some((point.parameter, &point.peaks.first()?.solution)))
+                .collect();
+            let unit = format!(" of {} (N = {n})", options.pointer);
+            notes.extend(notes::extrapolated(&scene, &places, &unit));
             let stopped = found.end == PeakEnd::Stopped;
             curves.push(curve(n, &found, &Names::of(&scene, &found.orders)));
             if stopped {
                 break;
             }
         }
-        let mut notes = self.notes.clone();
         notes.extend(curves.iter().flat_map(remarks));
         Ok(PeaksOutcome {
             format_version: 1,

@@ -1,6 +1,6 @@
 //! Stability of points as plain data, and what there is to say about it.
 
-use contact::Mechanism;
+use contact::{JointMechanism, Mechanism};
 use hbm::{Problem, Solution, Stability, Verdict};
 use num_complex::Complex64;
 use serde::{Serialize, Serializer};
@@ -107,12 +107,16 @@ pub(crate) fn explain(scene: &Scene) -> Step {
         return step(what, false, "not asked for (solver.stability, --stability)");
     }
     let mut remembers = false;
-    if let Some(joint) = scene.contacts.joints.first() {
-        return step(
-            what,
-            false,
-            format!("contact {:?} slides in directions that depend on each other", joint.name),
-        );
+    for joint in &scene.contacts.joints {
+        if let JointMechanism::None { why } = joint.law.mechanism() {
+            return step(what, false, format!("contact {:?} has no state in time: {why}", joint.name));
+        }
+        if joint.directions.len() != 2 {
+            let why =
+                format!("contact {:?} slides in two directions, in which orbits are not known", joint.name);
+            return step(what, false, why);
+        }
+        remembers = true;
     }
     for contact in &scene.contacts.contacts {
         match contact.law.mechanism() {

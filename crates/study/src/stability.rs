@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use contact::Mechanism;
+use contact::{JointMechanism, Mechanism};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 use hbm::{Problem, Solution, Stability, StabilityMethod};
@@ -34,12 +34,20 @@ pub fn stability(problem: &Problem, orders: &[usize], solution: &Solution) -> Re
     if solution.frequency == 0.0 {
         return Err("a static response has no period".into());
     }
-    if let Some(joint) = problem.joints.first() {
-        return Err(format!("contact {:?} slides in directions that depend on each other", joint.name));
-    }
     for contact in &problem.contacts {
         if let Mechanism::None { why } = contact.law.mechanism() {
             return Err(format!("contact {:?} has no state in time: {why}", contact.name));
+        }
+    }
+    for joint in &problem.joints {
+        if let JointMechanism::None { why } = joint.law.mechanism() {
+            return Err(format!("contact {:?} has no state in time: {why}", joint.name));
+        }
+        if joint.directions.len() != 2 {
+            return Err(format!(
+                "contact {:?} slides in two directions, in which orbits are not known",
+                joint.name
+            ));
         }
     }
     let dofs = problem.model.dofs();
@@ -51,7 +59,7 @@ pub fn stability(problem: &Problem, orders: &[usize], solution: &Solution) -> Re
     let start = start::state(&system, orders, &rows, solution);
     let settings = orbit::Settings { start: Some(start), ..orbit::Settings::default() };
     let orbit = orbit::find(&system, solution.frequency, &settings).map_err(|error| match error {
-        OrbitError::Stuck => "every slider sticks in the exact motion, not in the balance's".to_owned(),
+        OrbitError::Stuck => "every slider sticks in the exact motion".to_owned(),
         error => format!("no exact orbit was found beside it ({error})"),
     })?;
     let distance = distance(&orbit, orders, &rows);
@@ -74,7 +82,7 @@ pub fn stability(problem: &Problem, orders: &[usize], solution: &Solution) -> Re
     Ok(Stability::new(multipliers, ERROR * largest, StabilityMethod::Orbit))
 }
 
-/// Sliders without events.
+/// Sliders that never slip; in a joint they rest only while it never opens.
 fn resting(problem: &Problem, orbit: &Orbit) -> usize {
     let count = |(c, contact): (usize, &hbm::Contact)| {
         let Mechanism::Sliders { sliders, .. } = contact.law.mechanism() else { return 0 };
@@ -82,7 +90,10 @@ fn resting(problem: &Problem, orbit: &Orbit) -> usize {
             |slider: &usize| orbit.events().iter().any(|event| (event.contact, event.slider) == (c, *slider));
         (0..sliders.len()).filter(|slider| !moves(slider)).count()
     };
-    problem.contacts.iter().enumerate().map(count).sum()
+    let contacts = problem.contacts.len();
+    let still = |joint: &usize| orbit.events().iter().all(|event| event.contact != contacts + joint);
+    let joints = (0..problem.joints.len()).filter(still).count();
+    problem.contacts.iter().enumerate().map(count).sum::<usize>() + joints
 }
 
 /// Spectra of all dofs, from loads and contact forces: H_k w_k = f_k + B F_k with F on the first bodies.
@@ -107,6 +118,14 @@ fn every_dof(system: &System, orders: &[usize], solution: &Solution) -> Vec<Vec<
             force[(contact.first, 0)] += on_first;
             if let Some(second) = contact.second {
                 force[(second, 0)] -= on_first;
+            }
+        }
+        for (joint, report) in system.joints.iter().zip(&solution.joints) {
+            for (parts, direction) in joint.directions.iter().zip(&report.directions) {
+                let on_first = direction.force.get(slot).copied().unwrap_or_default();
+                for &(dof, coefficient) in parts {
+                    force[(dof, 0)] += on_first * coefficient;
+                }
             }
         }
         let found = stiffness.partial_piv_lu().solve(&force);

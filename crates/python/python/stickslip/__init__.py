@@ -13,6 +13,7 @@ from ._loops import Loop, Scaling, scale
 from ._native import __version__
 from ._result import Backbone, Contact, Curve, Direction, Joint, Orbit, Result, Truncation
 from ._scene import PythonLaw, Scene, Step
+from ._study import Study, StudyTable
 
 __all__ = [
     "Backbone",
@@ -31,6 +32,8 @@ __all__ = [
     "SolveError",
     "Step",
     "StickslipError",
+    "Study",
+    "StudyTable",
     "Truncation",
     "__version__",
     "scale",
