@@ -9,6 +9,8 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, mat};
 use num_complex::Complex64;
 use orbit::{EventKind, Joint, Orbit, OrbitError, Settings, System, find};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use stickslip_tests::joint_models::{instant, one_mass, preloaded, root, with_gap};
 use stickslip_tests::orbit_models::{contact, load, orbit};
 
@@ -118,6 +120,34 @@ fn the_equation_of_motion_holds() {
             checked += 1;
         }
         assert!(checked > 450);
+    }
+}
+
+/// Harmonics of forces and displacements, closed forms over every stretch between events, are those of samples in time;
+/// the trapezoidal rule sees bends of forces to second order.
+#[test]
+fn spectra_are_those_of_the_motion_in_time() {
+    let samples = 1 << 16;
+    for (name, system, _, hertz) in scenes() {
+        let orbit = orbit(&system, hertz);
+        let check = |found: Vec<Complex64>, x: &dyn Fn(f64) -> f64, what: &str| {
+            let values: Vec<f64> =
+                (0..samples).map(|j| x(orbit.period() * j as f64 / samples as f64)).collect();
+            let size = values.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
+            for k in [0, 1, 2, 3, 8, 40] {
+                let turn = |j: usize| Complex64::cis(-TAU * ((k * j) % samples) as f64 / samples as f64);
+                let sum: Complex64 = values.iter().enumerate().map(|(j, x)| turn(j) * x).sum();
+                let expected = sum * if k == 0 { 1.0 } else { 2.0 } / samples as f64;
+                let error = (found[k] - expected).norm() / size;
+                assert!(error < 2e-9, "{name} at {hertz} Hz, {what}, k = {k}: {error:e}");
+            }
+        };
+        for d in 0..2 {
+            check(orbit.joint_force_spectrum(0, d, 40), &|t| orbit.joint_force(0, d, t), "force");
+        }
+        for i in 0..system.mass.nrows() {
+            check(orbit.spectrum(i, 40), &|t| orbit.displacement(i, t), "displacement");
+        }
     }
 }
 
@@ -321,6 +351,45 @@ fn an_impact_oscillator_matches_its_arcs() {
         let product: Complex64 = orbit.multipliers().unwrap().iter().product();
         assert!((product - (-d / m * period).exp()).norm() < 1e-12, "{product}");
     }
+}
+
+/// Stiff and soft joints, preloads and gaps, light and heavy loads at random: what is found obeys energy and
+/// complementarity, and hardly anything is not found.
+#[test]
+fn random_joints_are_followed() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut between = |low: f64, high: f64| low * (high / low).powf(random.random::<f64>());
+    let (mut found, mut stuck, mut lost) = (0, 0, Vec::new());
+    for scene in 0..120 {
+        let parameters = FrictionContactParameters {
+            tangential_stiffness: between(1e4, 1e8),
+            normal_stiffness: between(1e4, 1e8),
+            friction_coefficient: between(0.05, 1.5),
+            preload: (scene % 2 == 0).then(|| between(0.1, 100.0)),
+            gap: (scene % 2 == 1).then(|| between(1e-7, 1e-4) * if scene % 4 == 1 { 1.0 } else { -1.0 }),
+        };
+        let mut system = if scene % 3 == 0 { root(parameters) } else { one_mass(parameters) };
+        let factor = between(0.1, 10.0);
+        system.loads.iter_mut().for_each(|load| load.amplitude *= factor);
+        let hertz = between(10.0, 400.0);
+        match find(&system, hertz, &Settings::default()) {
+            Ok(orbit) => {
+                found += 1;
+                assert!(orbit.energy_error() < 1e-10, "scene {scene}: {:e}", orbit.energy_error());
+                let all: Vec<_> =
+                    (0..500).map(|j| instant(&orbit, orbit.period() * j as f64 / 500.0)).collect();
+                let most = all.iter().map(|at| at.pressure).fold(0.0, f64::max);
+                for at in all {
+                    let slack = parameters.friction_coefficient * at.pressure - at.friction.abs();
+                    assert!(at.pressure >= 0.0 && slack >= -1e-9 * most, "scene {scene}: {at:?}");
+                }
+            }
+            Err(OrbitError::Stuck) => stuck += 1,
+            Err(error) => lost.push((scene, hertz, error.to_string())),
+        }
+    }
+    println!("{found} found, {stuck} stuck, {lost:#?}");
+    assert!(found > 60 && lost.len() <= 6, "{found} found, {stuck} stuck, {lost:#?}");
 }
 
 fn refusal(system: &System) -> OrbitError {

@@ -12,7 +12,8 @@ use crate::shooting::{Map, Passage, close, distance};
 use crate::smooth::Smooth;
 use crate::system::System;
 
-/// Looks for the periodic orbit of `system` at `frequency` in Hz.
+/// Looks for the periodic orbit of `system` at `frequency` in Hz: one of a single period of the excitation. It may be
+/// unstable ([`Orbit::multipliers`]); a motion that repeats only after several periods beside none of one is an error.
 ///
 /// # Errors
 /// [`OrbitError`] when there is none, or none was found.

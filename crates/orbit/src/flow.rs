@@ -505,7 +505,7 @@ pub(crate) fn recur(system: &Scaled, elastic: &[Elastic], length: f64, coefficie
         add_product(&system.stiffness_rate, c, -length * length, next);
         add_product(&system.damping_rate, c1, -length * (j + 1) as f64, next);
         for ((link, elastic), own) in system.links.iter().zip(elastic).zip(0..) {
-            let pull = length * length * elastic.pull(own, &system.links, c);
+            let pull = elastic.pull(length * length, own, &system.links, c);
             for (next, acceleration) in next.iter_mut().zip(&link.acceleration) {
                 *next -= pull * acceleration;
             }

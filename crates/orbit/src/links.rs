@@ -85,13 +85,15 @@ impl Link {
 
 impl Elastic {
     /// Links whose displacements act on link `own`, itself first, and their stiffnesses.
-    pub(crate) fn parts(&self, own: usize) -> impl Iterator<Item = (usize, f64)> {
+    pub(crate) fn parts(&self, own: usize) -> impl Iterator<Item = (usize, f64)> + use<> {
         [Some((own, self.stiffness)), self.coupled].into_iter().flatten()
     }
 
-    /// The change of force of link `own` by a change of y.
-    pub(crate) fn pull(&self, own: usize, links: &[Link], y: &[f64]) -> f64 {
-        self.parts(own).map(|(link, k)| k * links.get(link).map_or(0.0, |link| link.relative(y))).sum()
+    /// `factor` times the change of force of link `own` by a change of y.
+    pub(crate) fn pull(&self, factor: f64, own: usize, links: &[Link], y: &[f64]) -> f64 {
+        let part =
+            |(link, k): (usize, f64)| factor * k * links.get(link).map_or(0.0, |link| link.relative(y));
+        self.parts(own).map(part).sum()
     }
 }
 

@@ -100,29 +100,28 @@ pub(crate) fn force<'a>(system: &'a Scaled, piece: &Piece, c: usize) -> Along<'a
         return Box::new(move |s| system.smooth(link, value(&u, s), value(&rate, s) / length).0);
     }
     let constant = piece.elastic.get(c).map_or(0.0, |elastic| elastic.constant);
-    let change = elastic_change(system, piece, c);
-    Box::new(move |s| value(&change, s) + constant)
+    let parts = parts(system, piece, c);
+    Box::new(move |s| parts.iter().map(|(k, u)| k * value(u, s)).sum::<f64>() + constant)
 }
 
 /// φ' of a link with a piecewise-linear force along a piece.
 pub(crate) fn force_rate<'a>(system: &Scaled, piece: &Piece, c: usize) -> Along<'a> {
-    let (rate, length) = (derivative(&elastic_change(system, piece, c)), piece.length);
-    Box::new(move |s| value(&rate, s) / length)
+    let length = piece.length;
+    let parts = parts(system, piece, c).map(|(k, u)| (k, derivative(&u)));
+    Box::new(move |s| parts.iter().map(|(k, rate)| k * (value(rate, s) / length)).sum())
 }
 
-/// What displacements contribute to the force of link `c`.
-fn elastic_change(system: &Scaled, piece: &Piece, c: usize) -> Polynomial {
-    let spring = || system.links.get(c).map_or(0.0, |link| link.spring);
-    let elastic = piece
-        .elastic
-        .get(c)
-        .copied()
-        .unwrap_or_else(|| Elastic { stiffness: spring(), ..Elastic::default() });
-    let mut out = [0.0; TERMS];
-    for (out, row) in out.iter_mut().zip(piece.coefficients.chunks_exact(system.dofs)) {
-        *out = elastic.pull(c, &system.links, row);
-    }
-    out
+/// The displacements that act on link `c`, its own first, with their stiffnesses.
+fn parts(system: &Scaled, piece: &Piece, c: usize) -> [(f64, Polynomial); 2] {
+    let spring =
+        || Elastic { stiffness: system.links.get(c).map_or(0.0, |link| link.spring), ..Elastic::default() };
+    let mut parts = piece.elastic.get(c).copied().unwrap_or_else(spring).parts(c);
+    std::array::from_fn(|_| {
+        let part = parts
+            .next()
+            .and_then(|(link, k)| Some((k, piece.relative(system.links.get(link)?, system.dofs))));
+        part.unwrap_or((0.0, [0.0; TERMS]))
+    })
 }
 
 /// u' of a link along a piece.
