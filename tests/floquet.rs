@@ -21,7 +21,7 @@ fn a_linear_oscillator_has_its_closed_form() {
             damping: mat![[d]],
             stiffness: mat![[c]],
             loads: vec![load(0, 1, 3.0)],
-            contacts: vec![contact(0, None, Arc::new(spring.clone()))],
+            contacts: vec![contact(0, None, Arc::new(spring))],
             joints: Vec::new(),
         };
         let orbit = orbit(&system, hertz);

@@ -74,13 +74,13 @@ fn the_error_falls_with_the_harmonics() {
     ] {
         let orbit = orbit(&system, hertz);
         let exact: Spectra = (0..system.mass.nrows()).map(|dof| orbit.spectrum(dof, 1023)).collect();
-        let errors: Vec<(usize, f64)> = [11, 23, 47, 95]
+        let errors: Vec<(usize, f64)> = [11, 23, 47]
             .into_iter()
-            .map(|n| (n, distance(&solved(&system, hertz, n, Some(1 << 15)).0, &exact)))
+            .map(|n| (n, distance(&solved(&system, hertz, n, Some(1 << 14)).0, &exact)))
             .collect();
         println!("{name} at {hertz} Hz: {errors:?}, rate {}", rate(&errors));
-        assert!(rate(&errors) > 3.0, "{name}: {errors:?}");
-        assert!(errors.last().unwrap().1 < 1e-5, "{name}: {errors:?}");
+        assert!(rate(&errors) > 3.2, "{name}: {errors:?}");
+        assert!(errors.last().unwrap().1 < 1e-6, "{name}: {errors:?}");
     }
 }
 
@@ -97,10 +97,7 @@ fn the_sampling_estimate_is_truthful() {
             let (few, claimed) = solved(&system, hertz, 31, Some(samples));
             let (error, claimed) = (distance(&few, &many), claimed.unwrap());
             println!("{name}, {samples} samples: {error:e}, claimed {claimed:e}");
-            assert!(
-                claimed > 0.5 * error && claimed < 30.0 * error,
-                "{name}, {samples}: {error:e} {claimed:e}"
-            );
+            assert!(claimed > error && claimed < 10.0 * error, "{name}, {samples}: {error:e} {claimed:e}");
         }
     }
 }
@@ -116,7 +113,7 @@ fn rotating(preload: f64, hertz: f64) -> (System, f64) {
     let (limit, kt) = (JOINT.friction_coefficient * preload, JOINT.tangential_stiffness);
     let needed = |a: f64| {
         let sine = (limit / kt / a).min(1.0);
-        let structure = Complex64::new(2e5 - omega * omega, 40.0 * omega) * a;
+        let structure = Complex64::new(2e5 - omega * omega, 200.0 * omega) * a;
         (structure + limit * Complex64::new(sine, (1.0 - sine * sine).sqrt())).norm()
     };
     let (mut low, mut high) = (limit / kt, 1.0);
@@ -136,17 +133,20 @@ fn rotating(preload: f64, hertz: f64) -> (System, f64) {
 fn a_rotating_load_has_a_closed_form() {
     for hertz in [40.0, 80.0] {
         let (system, amplitude) = rotating(15.0, hertz);
-        let (found, _) = solved(&system, hertz, 3, None);
+        let errors = [256, 1024, 4096].map(|samples| {
+            let (found, _) = solved(&system, hertz, 3, Some(samples));
+            let error = |dof: usize| (found[dof][1].norm() / amplitude - 1.0).abs();
+            error(0).max(error(1))
+        });
+        println!("{hertz} Hz: {errors:?}");
+        // The law is of second order in the distance of its samples.
+        assert!(errors[2] < 1e-6, "{hertz} Hz: {errors:?}");
+        assert!(errors[1] < errors[0] / 12.0 && errors[2] < errors[1] / 12.0, "{hertz} Hz: {errors:?}");
         let mut truth = Planar::new(&system, &preloaded(15.0), hertz);
-        let period = truth.periodic(512, 1e-14, 400);
+        let period = truth.periodic(512, 1e-14, 100);
         for dof in 0..2 {
-            let in_time = period.spectrum(dof, 1)[1].norm();
-            println!("{hertz} Hz: {} {} {amplitude}", found[dof][1].norm(), in_time);
-            assert!((in_time / amplitude - 1.0).abs() < 1e-8, "{hertz} Hz: {in_time} {amplitude}");
-            assert!(
-                (found[dof][1].norm() / amplitude - 1.0).abs() < 1e-8,
-                "{hertz} Hz: {found:?} {amplitude}"
-            );
+            let error = (period.spectrum(dof, 1)[1].norm() / amplitude - 1.0).abs();
+            assert!(error < 1e-8, "{hertz} Hz: {error:e}");
         }
     }
 }
@@ -156,15 +156,17 @@ fn a_rotating_load_has_a_closed_form() {
 fn motion_in_time_along_one_axis_is_the_exact_orbit() {
     for (preload, hertz) in [(18.0, 60.0), (6.0, 70.0)] {
         let parameters = preloaded(preload);
-        let line = one_mass(parameters);
+        let mut line = one_mass(parameters);
+        line.damping = mat![[200.0, 0.0], [0.0, 250.0]];
+        line.loads.iter_mut().for_each(|load| load.amplitude *= 1.5);
         let orbit = orbit(&line, hertz);
         let mut plane = planar(parameters);
-        plane.damping = mat![[20.0, 0.0, 0.0], [0.0, 40.0, 0.0], [0.0, 0.0, 30.0]];
         plane.loads = line.loads.iter().map(|load| Load { dof: 2 * load.dof, ..*load }).collect();
         let mut errors = Vec::new();
         for steps in [256, 512, 1024] {
             let mut truth = Planar::new(&plane, &parameters, hertz);
-            let period = truth.periodic(steps, 1e-13, 400);
+            let period = truth.periodic(steps, 1e-13, 100);
+            println!("{steps} steps: {} events, {} periods", truth.events, period.periods);
             let size = period.displacement.iter().map(|w| w[0].abs()).fold(0.0, f64::max);
             let instant = |j: usize| orbit.period() * j as f64 / steps as f64;
             let distance = |(j, w): (usize, &Vec<f64>)| {
@@ -187,18 +189,18 @@ fn friction_in_two_directions_is_that_of_motion_in_time() {
         let system = planar(parameters);
         let spectra = |steps: usize| -> Spectra {
             let mut truth = Planar::new(&system, &parameters, hertz);
-            let period = truth.periodic(steps, 1e-12, 400);
+            let period = truth.periodic(steps, 1e-12, 100);
             println!("{name}: {steps} steps, {} events, closure {:e}", truth.events, period.closure);
             (0..3).map(|dof| period.spectrum(dof, 127)).collect()
         };
-        let (coarse, fine) = (spectra(512), spectra(1024));
+        let (coarse, fine) = (spectra(256), spectra(512));
         let own = distance(&coarse, &fine);
-        let errors: Vec<(usize, f64)> = [7, 15, 31, 63]
+        let errors: Vec<(usize, f64)> = [7, 15, 31]
             .into_iter()
-            .map(|n| (n, distance(&solved(&system, hertz, n, Some(1 << 14)).0, &fine)))
+            .map(|n| (n, distance(&solved(&system, hertz, n, Some(1 << 13)).0, &fine)))
             .collect();
         println!("{name}: {errors:?}, rate {}, truth changes by {own:e}", rate(&errors));
         assert!(own < 1e-7, "{name}: {own:e}");
-        assert!(rate(&errors) > 2.5 && errors[3].1 < 1e-4, "{name}: {errors:?}");
+        assert!(rate(&errors) > 3.0 && errors[2].1 < 3e-6, "{name}: {errors:?}");
     }
 }

@@ -112,17 +112,18 @@ pub fn balanced(system: &System) -> Problem {
     }
 }
 
-/// A mass in a plane (0, 1) with a normal dof (2), pressed against the ground with friction in both tangential directions.
+/// A mass in a plane (0, 1) with a normal dof (2), pressed against the ground with friction in both tangential directions;
+/// damped so that motions settle soon.
 pub fn planar(parameters: FrictionContactParameters) -> System {
     let law: Arc<dyn JointLaw> = Arc::new(FrictionContact::new(parameters, 2).unwrap());
     let directions = (0..3).map(|dof| vec![(dof, 1.0)]).collect();
     System {
         mass: mat![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        damping: mat![[40.0, 0.0, 0.0], [0.0, 40.0, 0.0], [0.0, 0.0, 60.0]],
+        damping: mat![[200.0, 0.0, 0.0], [0.0, 200.0, 0.0], [0.0, 0.0, 250.0]],
         stiffness: mat![[2e5, 0.0, 3e4], [0.0, 3e5, 0.0], [3e4, 0.0, 4e5]],
         loads: vec![
-            load(0, 1, 12.0),
-            Load { dof: 1, harmonic: 1, amplitude: Complex64::new(3.0, -11.0) },
+            load(0, 1, 18.0),
+            Load { dof: 1, harmonic: 1, amplitude: Complex64::new(9.0, -5.0) },
             Load { dof: 2, harmonic: 1, amplitude: Complex64::new(4.0, 6.0) },
         ],
         contacts: Vec::new(),

@@ -310,7 +310,7 @@ fn dissipation_is_the_work_of_all_directions() {
     let samples = wave.phase.len();
     let mut work = 0.0;
     for (w, f) in wave.joints[0].displacement.iter().zip(&wave.joints[0].force) {
-        for j in 0..samples {
+        for (j, f) in f.iter().enumerate() {
             let slope: f64 = (1..=3)
                 .map(|k| {
                     let amplitude: c64 = (0..samples)
@@ -321,7 +321,7 @@ fn dissipation_is_the_work_of_all_directions() {
                     (c64::new(0.0, k as f64) * amplitude * c64::cis((k * j) as f64 * TAU / samples as f64)).re
                 })
                 .sum();
-            work -= f[j] * slope * TAU / samples as f64;
+            work -= f * slope * TAU / samples as f64;
         }
     }
     assert!(joint.dissipation.abs() > 1e-6);

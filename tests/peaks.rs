@@ -332,7 +332,7 @@ fn what_makes_no_sense_is_refused() {
 /// A value without a problem is marked, and no optimum is claimed beside it.
 #[test]
 fn values_without_a_problem_are_marked() {
-    let with = |slip: f64| (slip < 20.0 || slip > 45.0).then(|| scene_r_with(slip));
+    let with = |slip: f64| (!(20.0..=45.0).contains(&slip)).then(|| scene_r_with(slip));
     let options = options((2.0, 60.0), (20.0, 130.0));
     let curve = follow_peaks(&with, &Settings::new(1), &options).unwrap();
     let failed: Vec<f64> =

@@ -38,6 +38,8 @@ pub struct Planar<'a> {
     at_rest: f64,
     preload: f64,
     mode: Mode,
+    /// While it slips, θ is that of the velocity.
+    aligned: bool,
     /// (w, ẇ, θ).
     x: Vec<f64>,
     t: f64,
@@ -71,6 +73,7 @@ impl<'a> Planar<'a> {
             at_rest: parameters.gap.map_or(preload, |gap| -kn * gap),
             preload,
             mode: Mode::Apart,
+            aligned: false,
             x: vec![0.0; 2 * n + 1],
             t: 0.0,
             events: 0,
@@ -130,7 +133,7 @@ impl<'a> Planar<'a> {
         }
         let mut rate = v[..n].to_vec();
         rate.extend((0..n).map(|i| (0..n).map(|j| self.inverse[(i, j)] * pull[j]).sum::<f64>()));
-        rate.push(if self.mode == Mode::Slip {
+        rate.push(if self.mode == Mode::Slip && !self.aligned {
             let (sin, cos) = x[2 * n].sin_cos();
             let u = self.tangential(v);
             (u[1] * cos - u[0] * sin) * self.kt / (self.mu * self.pressure(x))
@@ -199,13 +202,19 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// θ follows the velocity within a distance r/|ẇ|, which is short where the contact begins and ceases to press.
-    fn longest(&self, h: f64) -> f64 {
+    /// θ follows the velocity within a distance r/|ẇ|, which is short where the contact begins and ceases to press; where it
+    /// is nothing beside `h`, θ is that of the velocity. Returns the longest step.
+    fn prepare(&mut self, h: f64) -> f64 {
         let n = self.system.mass.nrows();
         let u = self.tangential(&self.x[n..]);
-        let reach = self.mu * self.pressure(&self.x) / self.kt;
+        let reach = self.mu * self.pressure(&self.x) / self.kt / u[0].hypot(u[1]);
+        self.aligned = self.mode == Mode::Slip && reach < 1e-3 * h;
         match self.mode {
-            Mode::Slip => (0.1 * reach / u[0].hypot(u[1])).clamp(1e-5 * h, h),
+            Mode::Slip if self.aligned => {
+                self.x[2 * n] = u[1].atan2(u[0]);
+                1e-3 * h
+            }
+            Mode::Slip => (0.3 * reach).min(h),
             _ => h,
         }
     }
@@ -227,7 +236,7 @@ impl<'a> Planar<'a> {
             if left <= 1e-12 * h {
                 break;
             }
-            let rest = self.longest(h).min(left);
+            let rest = self.prepare(h).min(left);
             let to = self.step(rest);
             // Where a motion has just begun its margin is zero but for rounding.
             if self.margin(&to) >= -1e-13 * self.largest() {

@@ -237,3 +237,67 @@ fn what_cannot_be_studied() {
     refused(&["study", "good.json", "-o", "x.txt"], "no format is called .txt");
     assert!(!folder.path().join("out.csv.part").exists());
 }
+
+#[test]
+fn parts_put_together_are_the_whole() {
+    let folder = folder(&good());
+    let at = |arguments: &[&str]| run(folder.path(), arguments);
+    let whole = at(&["study", "study.json", "-o", "whole.csv"]);
+    assert_eq!(whole.status.code(), Some(0), "{}", stderr(&whole));
+    for i in 1..=3 {
+        let shard = format!("{i}/3");
+        let output = at(&["study", "study.json", "--shard", &shard, "-o", &format!("part{i}")]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+    // In any order, with a part twice.
+    let merged = at(&["merge", "study.json", "part3", "part1", "part2", "part1", "-o", "merged.csv"]);
+    assert_eq!(merged.status.code(), Some(0), "{}", stderr(&merged));
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("merged.csv"), read("whole.csv"));
+    // Once more it is there already, and stays as it is.
+    let before = read("part2");
+    let again = at(&["study", "study.json", "--shard", "2/3", "-o", "part2"]);
+    assert_eq!(again.status.code(), Some(0));
+    assert!(stderr(&again).contains("part 2/3 is finished already"), "{}", stderr(&again));
+    assert_eq!(read("part2"), before);
+    // A part that was stopped in the middle of a line goes on, and ends as the same file but for the order of its lines.
+    let text = String::from_utf8(before).unwrap();
+    let cut = text.lines().take(3).map(str::len).sum::<usize>() + 3 + 5;
+    fs::remove_file(folder.path().join("part2")).unwrap();
+    fs::write(folder.path().join("part2.part"), &text[..cut]).unwrap();
+    let lacking = at(&["merge", "study.json", "part1", "part2.part", "part3"]);
+    assert_eq!(lacking.status.code(), Some(1));
+    assert!(stderr(&lacking).contains("6 of 24 cases are in none of the parts"), "{}", stderr(&lacking));
+    assert!(lacking.stdout.is_empty());
+    let goes_on = at(&["study", "study.json", "--shard", "2/3", "-o", "part2"]);
+    assert!(stderr(&goes_on).contains("2 of 8 cases are finished already"), "{}", stderr(&goes_on));
+    let merged = at(&["merge", "study.json", "part1", "part2", "part3", "-o", "again.csv"]);
+    assert_eq!(merged.status.code(), Some(0), "{}", stderr(&merged));
+    assert_eq!(read("again.csv"), read("whole.csv"));
+}
+
+#[test]
+fn parts_of_another_study_are_refused() {
+    let folder = folder(&good());
+    let at = |arguments: &[&str]| run(folder.path(), arguments);
+    assert!(at(&["study", "study.json", "--shard", "1/4", "-o", "part"]).status.success());
+    let mut other = good();
+    other["harmonics"] = json!([1, 5]);
+    fs::write(folder.path().join("study.json"), other.to_string()).unwrap();
+    for arguments in
+        [&["merge", "study.json", "part"][..], &["study", "study.json", "--shard", "1/4", "-o", "part"]]
+    {
+        let output = at(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("part holds no cases of this study"), "{}", stderr(&output));
+    }
+    for (arguments, says) in [
+        (&["study", "study.json", "--shard", "5/4", "-o", "x"][..], "second of eight"),
+        (&["study", "study.json", "--shard", "1/4"], "--output"),
+        (&["merge", "study.json"], "PART"),
+    ] {
+        let output = at(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(says), "{}", stderr(&output));
+    }
+}

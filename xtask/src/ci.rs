@@ -7,7 +7,7 @@ use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{iwan, loop_family, reference_loop};
+use crate::{iwan, loop_family, python, reference_loop};
 
 /// Commands of cargo before the tests, with their environment.
 const CHECKS: [(&str, Option<(&str, &str)>); 4] = [
@@ -51,6 +51,8 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     cargo(root, ERRORS, None, Stdio::inherit())?;
     cargo(root, EXTREME, None, Stdio::inherit())?;
     cargo(root, INSTRUCTIONS, None, Stdio::inherit())?;
+    step("cargo xtask python");
+    python::run(root, false)?;
     step(&format!("all checks passed in {:.0} s", start.elapsed().as_secs_f64()));
     Ok(())
 }

@@ -17,12 +17,14 @@ mod non_negative;
 mod page;
 mod paper;
 mod peers;
+mod python;
 mod reconstruct;
 mod record_family;
 mod reference_loop;
 mod scaling;
 mod synthetic_loop;
 mod truths;
+mod virtual_environment;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -55,6 +57,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   peers                    the same scenes with pyHarm, mousai and SciPy: agreement, error, time; writes docs/src/peers.md
                            (release build; needs Python 3.11 and a package index)
   peers --draw             the page once more from the measured data
+  python                   builds the wheel of the Python package and tests it in an environment of its own (needs Python 3.10
+                           or later and a package index)
   reference-loop           writes scenes/loops/reference.csv
   … --check                fails unless what one of reference-loop, iwan and loop-family writes and prints is in the repository";
 
@@ -91,6 +95,7 @@ fn run() -> Result<()> {
         ["loop-series", folder] => loop_series::write(Path::new(folder)),
         ["peers"] => peers::run(&root()),
         ["peers", "--draw"] => peers::draw(&root()),
+        ["python"] => python::run(&root(), true),
         ["figures"] => figures::write(&root()),
         ["figures", "--check"] => figures::check(&root()),
         ["reconstruct"] => reconstruct::write(&root()),

@@ -10,8 +10,8 @@ use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Harmonics, Scene};
 
 pub use studies::{
-    BackboneArguments, ContinueArguments, OrbitArguments, PeaksArguments, Quantity, StudyArguments,
-    TruncationArguments,
+    BackboneArguments, ContinueArguments, MergeArguments, OrbitArguments, PeaksArguments, Quantity,
+    StudyArguments, StudyResultArguments, TruncationArguments,
 };
 
 use crate::ending::Failure;
@@ -77,6 +77,9 @@ pub enum Command {
     /// Solve a scene over a grid of its entries: peaks against excitation, normal load, harmonics
     #[command(after_help = studies::STUDY)]
     Study(StudyArguments),
+    /// Put the parts of a study together that several machines solved
+    #[command(after_help = studies::MERGE)]
+    Merge(MergeArguments),
     /// Look at measured friction loops
     #[command(subcommand, arg_required_else_help = true)]
     Loop(LoopCommand),
@@ -165,6 +168,7 @@ impl SceneArguments {
 
 /// `stickslip sweep`.
 #[derive(Debug, Args)]
+#[command(group(clap::ArgGroup::new("period").args(["waveform", "loops"]).multiple(true)))]
 pub struct SweepArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
@@ -180,11 +184,11 @@ pub struct SweepArguments {
     /// Draw the response of every output dof, with contacts and without
     #[arg(long, value_name = "FILE.svg|.png")]
     pub plot: Option<PathBuf>,
-    /// Solve this one frequency instead, for --waveform
+    /// Solve this one frequency instead, for --waveform and --loops
     #[arg(
         long,
         value_name = "HZ",
-        requires = "waveform",
+        requires = "period",
         conflicts_with = "frequencies",
         allow_negative_numbers = true
     )]
@@ -192,6 +196,9 @@ pub struct SweepArguments {
     /// Write one period in time: displacements and contact forces, CSV
     #[arg(long, value_name = "FILE.csv", requires = "at")]
     pub waveform: Option<PathBuf>,
+    /// Draw the loops of the contacts in that period: friction force against relative displacement
+    #[arg(long, value_name = "FILE.svg|.png", requires = "at")]
+    pub loops: Option<PathBuf>,
     /// List every solution where all are known (one contact, one harmonic), not the reported one alone
     #[arg(long)]
     pub all_solutions: bool,

@@ -63,6 +63,45 @@ pub fn response(figure: Figure, scene: &Scene, solved: &Solved) -> Result<(), Fa
     write_response(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
 }
 
+/// Loops that one sheet holds.
+#[cfg(feature = "plot")]
+const LOOPS: usize = 12;
+
+/// Draws friction force against relative displacement: of contacts in several directions the tangential ones.
+#[cfg(feature = "plot")]
+pub fn contact_loops(figure: Figure, scene: &Scene, motion: &scene::Motion) -> Result<(), Failure> {
+    use plot::{ContactLoop, ContactLoops, write_contact_loops};
+
+    let mut loops = Vec::new();
+    for contact in scene.contact_motions(&motion.waveform) {
+        // The normal direction comes last; what contacts in one direction have is the whole of it.
+        let tangential = contact.directions.len().saturating_sub(1).max(1);
+        for direction in contact.directions.iter().take(tangential) {
+            // As a rig would measure it: against the force on the first body.
+            let points = direction.displacement.iter().zip(direction.force).map(|(w, f)| (*w, -f)).collect();
+            loops.push(ContactLoop {
+                title: [contact.name, direction.name].join(" ").trim_end().to_owned(),
+                points,
+            });
+        }
+    }
+    if loops.len() > LOOPS {
+        crate::ending::say(format_args!("note: --loops draws the first {LOOPS} of {} loops", loops.len()));
+        loops.truncate(LOOPS);
+    }
+    if loops.is_empty() {
+        crate::ending::say(format_args!("no loops were drawn: the scene has no contact"));
+        return Ok(());
+    }
+    let drawing = ContactLoops { title: scene.name().to_owned(), loops };
+    write_contact_loops(&drawing, &figure.0).map_err(|error| unwritable(&figure.0, format!("{error:#}")))
+}
+
+#[cfg(not(feature = "plot"))]
+pub fn contact_loops(figure: Figure, _: &Scene, _: &scene::Motion) -> Result<(), Failure> {
+    Err(unwritable(&figure.0, "this build draws no pictures"))
+}
+
 /// Draws the averaged cycle of a record and the series fitted to it.
 #[cfg(feature = "plot")]
 pub fn hysteresis_loop(figure: Figure, record: &Record, fit: &Fit) -> Result<(), Failure> {
@@ -146,14 +185,15 @@ pub fn orbit(figure: Figure, motion: &Motion) -> Result<(), Failure> {
         events: Vec::new(),
     });
     let events = motion.orbit.events();
-    let contacts = motion.scene.contacts().enumerate().map(|(i, name)| {
-        let force = |t: f64| motion.orbit.contact_force(i, t);
+    let forces = motion.forces();
+    let contacts = forces.iter().map(|force| {
+        let at = |t: f64| motion.force(force, t);
         OrbitPanel {
-            title: format!("{name}, on its first body"),
+            title: format!("{}, on its first body", force.name),
             quantity: ("force", "N"),
-            values: over(&force),
-            events: (events.iter().filter(|event| event.contact == i))
-                .map(|event| (event.time / period, force(event.time)))
+            values: over(&at),
+            events: (events.iter().filter(|event| event.contact == force.contact))
+                .map(|event| (event.time / period, at(event.time)))
                 .collect(),
         }
     });

@@ -59,6 +59,7 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Backbone(arguments) => backbone::run(arguments),
         Command::Peaks(arguments) => peak::run(arguments),
         Command::Study(arguments) => study::run(arguments),
+        Command::Merge(arguments) => study::merge(arguments),
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
         Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),
         Command::Init(arguments) => init::run(arguments),

@@ -5,7 +5,7 @@ use std::io;
 
 use num_complex::Complex64;
 use orbit::{EventKind, Orbit, OrbitError};
-use scene::{Frequencies, Harmonics, Named, Scene, Spectrum};
+use scene::{Frequencies, Harmonics, Named, Scene, Spectrum, direction_names};
 use serde::Serialize;
 use study::Truths;
 
@@ -46,8 +46,14 @@ pub fn run(arguments: &OrbitArguments) -> Result<Ending, Failure> {
             return Ok(Ending::SomeFailed);
         }
     };
-    let motion =
-        Motion { scene: &scene, outputs: &problem.output, orbit: &orbit, frequency: arguments.frequency };
+    let motion = Motion {
+        scene: &scene,
+        outputs: &problem.output,
+        contacts: problem.contacts.iter().map(|contact| contact.name.as_str()).collect(),
+        joints: problem.joints.iter().map(|joint| (joint.name.as_str(), joint.directions.len())).collect(),
+        orbit: &orbit,
+        frequency: arguments.frequency,
+    };
     answer.write(|out| match format {
         TextFormat::Text => out.write_all(motion.text().as_bytes()),
         TextFormat::Json => scene::write_json(out, &motion.answer(usize::from(arguments.harmonics))),
@@ -95,8 +101,22 @@ pub struct Motion<'a> {
     pub scene: &'a Scene,
     /// Numbers of its output dofs in the orbit.
     pub outputs: &'a [usize],
+    /// Names of the contacts in one direction.
+    pub contacts: Vec<&'a str>,
+    /// Names of those in several, and how many.
+    pub joints: Vec<(&'a str, usize)>,
     pub orbit: &'a Orbit,
     pub frequency: f64,
+}
+
+/// A force of a contact, in one of its directions.
+pub struct Force {
+    /// The contact's number as events count it.
+    pub contact: usize,
+    /// The joint and its direction, of a contact in several.
+    direction: Option<(usize, usize)>,
+    /// For readers.
+    pub name: String,
 }
 
 /// `orbit --format json`.
@@ -112,6 +132,9 @@ struct Answer<'a> {
     displacement: Named<Spectrum>,
     amplitude: Named<f64>,
     contacts: Named<Contact>,
+    /// Contacts in several directions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joints: Option<Named<Joint>>,
     events: Vec<Event<'a>>,
 }
 
@@ -119,6 +142,17 @@ struct Answer<'a> {
 struct Contact {
     force: Spectrum,
     dissipation: f64,
+}
+
+#[derive(Serialize)]
+struct Joint {
+    directions: Named<Direction>,
+    dissipation: f64,
+}
+
+#[derive(Serialize)]
+struct Direction {
+    force: Spectrum,
 }
 
 #[derive(Serialize)]
@@ -136,6 +170,35 @@ impl Motion<'_> {
         self.scene.output().into_iter().zip(self.outputs.iter().copied())
     }
 
+    /// Names of the contacts in one direction, then of those in several: as events count them.
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.contacts.iter().copied().chain(self.joints.iter().map(|joint| joint.0))
+    }
+
+    /// All forces, those of contacts in several directions one by one.
+    pub fn forces(&self) -> Vec<Force> {
+        let contacts = self.contacts.iter().enumerate();
+        let contacts =
+            contacts.map(|(i, name)| Force { contact: i, direction: None, name: (*name).to_owned() });
+        let joints = self.joints.iter().enumerate().flat_map(|(i, (joint, directions))| {
+            let names = direction_names(*directions).iter().enumerate();
+            names.map(move |(d, direction)| Force {
+                contact: self.contacts.len() + i,
+                direction: Some((i, d)),
+                name: format!("{joint} {direction}"),
+            })
+        });
+        contacts.chain(joints).collect()
+    }
+
+    /// In N at an instant in s, on the first body.
+    pub fn force(&self, force: &Force, time: f64) -> f64 {
+        match force.direction {
+            None => self.orbit.contact_force(force.contact, time),
+            Some((joint, direction)) => self.orbit.joint_force(joint, direction, time),
+        }
+    }
+
     /// Half the peak-to-peak displacement in m.
     fn amplitude(&self, dof: usize) -> f64 {
         let (least, most) = self.orbit.range(dof);
@@ -143,7 +206,7 @@ impl Motion<'_> {
     }
 
     fn events(&self) -> Vec<Event<'_>> {
-        let names: Vec<&str> = self.scene.contacts().collect();
+        let names: Vec<&str> = self.names().collect();
         let event = |event: &orbit::Event| Event {
             time: event.time,
             contact: names.get(event.contact).copied().unwrap_or_default(),
@@ -167,6 +230,15 @@ impl Motion<'_> {
             let force = spectrum(self.orbit.force_spectrum(i, highest));
             (name.to_owned(), Contact { force, dissipation: self.orbit.dissipation(i) })
         };
+        let joint = |(i, (name, directions)): (usize, &(&str, usize))| {
+            let names = direction_names(*directions).iter().enumerate();
+            let direction = |(d, direction): (usize, &&str)| {
+                let force = spectrum(self.orbit.joint_force_spectrum(i, d, highest));
+                ((*direction).to_owned(), Direction { force })
+            };
+            let directions = Named(names.map(direction).collect());
+            ((*name).to_owned(), Joint { directions, dissipation: self.orbit.joint_dissipation(i) })
+        };
         Answer {
             format_version: 1,
             scene: self.scene.name(),
@@ -177,7 +249,9 @@ impl Motion<'_> {
             energy_error: self.orbit.energy_error(),
             displacement: Named(self.dofs().map(named).collect()),
             amplitude: Named(self.dofs().map(|(name, dof)| (name.to_owned(), self.amplitude(dof))).collect()),
-            contacts: Named(self.scene.contacts().enumerate().map(contact).collect()),
+            contacts: Named(self.contacts.iter().copied().enumerate().map(contact).collect()),
+            joints: (!self.joints.is_empty())
+                .then(|| Named(self.joints.iter().enumerate().map(joint).collect())),
             events: self.events(),
         }
     }
@@ -190,8 +264,10 @@ impl Motion<'_> {
             let first = orbit.spectrum(dof, 1).get(1).map_or(0.0, |w| w.norm());
             let _ = writeln!(text, "{name}: amplitude {:.6e} m, |W_1| {first:.6e} m", self.amplitude(dof));
         }
-        for (i, name) in self.scene.contacts().enumerate() {
-            let _ = writeln!(text, "{name}: dissipates {:.4e} J a period", orbit.dissipation(i));
+        let contacts = (0..self.contacts.len()).map(|i| orbit.dissipation(i));
+        let joints = (0..self.joints.len()).map(|i| orbit.joint_dissipation(i));
+        for (name, dissipation) in self.names().zip(contacts.chain(joints)) {
+            let _ = writeln!(text, "{name}: dissipates {dissipation:.4e} J a period");
         }
         let events = self.events();
         let _ = writeln!(
@@ -201,14 +277,16 @@ impl Motion<'_> {
             orbit.period()
         );
         for event in events.iter().take(LISTED) {
-            let direction = if event.direction > 0 { '+' } else { '−' };
+            let direction = match event.direction {
+                0 => "",
+                1.. => " (+)",
+                _ => " (−)",
+            };
             let slider = if event.slider > 0 { format!(", slider {}", event.slider) } else { String::new() };
             let Event { time, contact, begins, .. } = event;
             let part = time / orbit.period();
-            let _ = writeln!(
-                text,
-                "  {time:.6e} s ({part:.4} T)  {contact}{slider}: {begins} begins ({direction})"
-            );
+            let _ =
+                writeln!(text, "  {time:.6e} s ({part:.4} T)  {contact}{slider}: {begins} begins{direction}");
         }
         if events.len() > LISTED {
             let _ = writeln!(text, "  and {} more; --format json lists all", events.len() - LISTED);
@@ -234,16 +312,15 @@ impl Motion<'_> {
         for (name, _) in self.dofs() {
             header.extend([format!("{name} [m]"), format!("{name} velocity [m/s]")]);
         }
-        header.extend(self.scene.contacts().map(|name| format!("{name} force [N]")));
+        let forces = self.forces();
+        header.extend(forces.iter().map(|force| format!("{} force [N]", force.name)));
         table.write_record(&header)?;
         for time in self.instants() {
             let mut row = vec![time];
             for (_, dof) in self.dofs() {
                 row.extend([self.orbit.displacement(dof, time), self.orbit.velocity(dof, time)]);
             }
-            row.extend(
-                (0..self.scene.contacts().count()).map(|contact| self.orbit.contact_force(contact, time)),
-            );
+            row.extend(forces.iter().map(|force| self.force(force, time)));
             table.write_record(row.iter().map(|value| format!("{value:e}")))?;
         }
         table.flush()

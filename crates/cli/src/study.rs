@@ -1,12 +1,14 @@
 //! `stickslip study`: a grid over entries of a scene.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal};
+use std::path::Path;
 
 use scene::reading::show;
-use study::{Axis, Entry, FinishedCase, Keep, Kind, Partial, Study, StudyError, StudyOptions, Table};
+use study::{Axis, Entry, FinishedCase, Keep, Kind, Partial, Shard, Study, StudyError, StudyOptions, Table};
 
-use crate::arguments::{Format, Quantity, StudyArguments, in_file};
+use crate::arguments::{Format, MergeArguments, Quantity, StudyArguments, StudyResultArguments, in_file};
 use crate::check::count;
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
@@ -15,29 +17,34 @@ use crate::progress::{Progress, interrupt};
 
 /// Solves the cases and writes what was asked for.
 pub fn run(arguments: &StudyArguments) -> Result<Ending, Failure> {
-    let format = match (arguments.format, &arguments.output) {
-        (Some(format), _) => Some(format),
-        (None, Some(path)) => Some(output::full_format(path)?),
-        (None, None) if io::stdout().is_terminal() => None,
-        (None, None) => Some(Format::Json),
+    let path = &arguments.study;
+    let wanted = match arguments.shard {
+        Some(_) => None,
+        None => Some(Wanted::of(&arguments.result, path)?),
     };
-    let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
-    output::distinct(&arguments.study, &[&arguments.output, &arguments.plot])?;
-    let study = Study::from_file(&arguments.study).map_err(|error| refused(arguments, error))?;
-    for file in study.files() {
-        output::distinct(&file, &[&arguments.output, &arguments.plot])?;
-    }
-    let dof = drawn_dof(&study, arguments)?;
+    let study = read(path, &arguments.result)?;
+    let dof = drawn_dof(&study, &arguments.result)?;
     if arguments.dry_run {
         return output::print(&plan(&study));
     }
-    let interrupted = interrupt();
-    let answer = Output::open(arguments.output.as_deref())?;
-    let kept = match (&arguments.output, &answer) {
-        // A device or a pipe has nothing beside it.
-        (Some(path), Output::Beside { .. }) => {
-            Some(Partial::open(&study, path, arguments.restart).map_err(|error| refused(arguments, error))?)
+    let shard = arguments.shard.unwrap_or(Shard::WHOLE);
+    let to_solve = shard.cases(study.cases());
+    let output = arguments.result.output.as_deref();
+    if let (Some(shard), Some(path)) = (arguments.shard, output.filter(|path| path.exists())) {
+        let known = Partial::finished(&study, path).map_err(|error| refused(&arguments.study, error))?;
+        if !arguments.restart && known.iter().filter(|case| shard.has(case.case)).count() == to_solve {
+            say(format_args!("part {shard} is finished already"));
+            return Ok(ending(&known));
         }
+    }
+    let interrupted = interrupt();
+    let answer = Output::open(output)?;
+    let kept = match (output, &answer) {
+        // A device or a pipe has nothing beside it.
+        (Some(path), Output::Beside { .. }) => Some(
+            Partial::open(&study, path, arguments.restart)
+                .map_err(|error| refused(&arguments.study, error))?,
+        ),
         _ => None,
     };
     let (mut partial, known) = match kept {
@@ -45,15 +52,16 @@ pub fn run(arguments: &StudyArguments) -> Result<Ending, Failure> {
         None => (None, Vec::new()),
     };
     if !known.is_empty() {
-        say(format_args!("{} of {} cases are finished already", known.len(), study.cases()));
+        say(format_args!("{} of {to_solve} cases are finished already", known.len()));
     }
 
-    let progress = Progress::of(study.cases(), "cases");
+    let progress = Progress::of(to_solve, "cases");
     let finished = |cases| progress.finished(cases);
     let mut keeper = |case: &FinishedCase| partial.as_mut().map_or(Ok(()), |partial| partial.keep(case));
     let solved = study.run(
         known,
         StudyOptions {
+            shard: arguments.shard,
             threads: arguments.threads.map(usize::from),
             cancel: Some(interrupted),
             progress: Some(&finished),
@@ -61,40 +69,128 @@ pub fn run(arguments: &StudyArguments) -> Result<Ending, Failure> {
         },
     );
     progress.clear();
-    let cases = solved.map_err(|error| refused(arguments, error))?;
+    let cases = solved.map_err(|error| refused(&arguments.study, error))?;
 
-    let complete = cases.len() == study.cases();
-    if let Some(partial) = partial {
-        if !complete {
-            let (done, all) = (cases.len(), study.cases());
-            let path = partial.path().display();
-            say(format_args!(
-                "{done} of {all} cases are kept in {path}; the same command goes on from there"
-            ));
-            return Ok(Ending::Interrupted);
+    let complete = cases.iter().filter(|case| shard.has(case.case)).count() == to_solve;
+    if let Some(partial) = partial.as_ref().filter(|_| !complete) {
+        let (done, path) = (cases.len(), partial.path().display());
+        say(format_args!(
+            "{done} of {to_solve} cases are kept in {path}; the same command goes on from there"
+        ));
+        return Ok(Ending::Interrupted);
+    }
+    match (wanted, partial, output) {
+        (None, Some(partial), Some(path)) => {
+            partial.finish(path).map_err(|error| refused(&arguments.study, error))?;
         }
-        write(answer, format, &study, &cases)?;
-        partial.remove();
-    } else {
-        write(answer, format, &study, &cases)?;
+        (None, ..) => {
+            return Err(Failure::input("--shard: -o must name a file, where finished cases are kept"));
+        }
+        (Some(wanted), partial, _) => {
+            wanted.write(answer, &arguments.result, &study, &cases, dof)?;
+            if let Some(partial) = partial {
+                partial.remove();
+            }
+        }
     }
-    if let Some(figure) = figure {
-        draw(figure, arguments, &study, &cases, dof)?;
-    }
-    Ok(match (complete, cases.iter().any(|case| case.failed > 0)) {
-        (false, _) => Ending::Interrupted,
-        (true, true) => Ending::SomeFailed,
-        (true, false) => Ending::Done,
-    })
+    Ok(if complete { ending(&cases) } else { Ending::Interrupted })
 }
 
-fn refused(arguments: &StudyArguments, error: StudyError) -> Failure {
+/// Puts the parts of a study together.
+pub fn merge(arguments: &MergeArguments) -> Result<Ending, Failure> {
+    let path = &arguments.study;
+    let wanted = Wanted::of(&arguments.result, path)?;
+    for part in &arguments.parts {
+        output::distinct(part, &[&arguments.result.output, &arguments.result.plot])?;
+    }
+    let study = read(path, &arguments.result)?;
+    let dof = drawn_dof(&study, &arguments.result)?;
+    let mut all: BTreeMap<usize, FinishedCase> = BTreeMap::new();
+    for part in &arguments.parts {
+        let cases = Partial::finished(&study, part).map_err(|error| refused(path, error))?;
+        all.extend(cases.into_iter().map(|case| (case.case, case)));
+    }
+    let missing: Vec<usize> = (0..study.cases()).filter(|case| !all.contains_key(case)).collect();
+    if !missing.is_empty() {
+        let first: Vec<String> = missing.iter().take(NAMED).map(usize::to_string).collect();
+        let more = if missing.len() > NAMED { ", …" } else { "" };
+        say(format_args!(
+            "{} of {} cases are in none of the parts: {}{more}",
+            missing.len(),
+            study.cases(),
+            first.join(", ")
+        ));
+        if !arguments.incomplete {
+            say(format_args!("nothing was written; solve them, or merge what there is with --incomplete"));
+            return Ok(Ending::SomeFailed);
+        }
+    }
+    let cases: Vec<FinishedCase> = all.into_values().collect();
+    let answer = Output::open(arguments.result.output.as_deref())?;
+    wanted.write(answer, &arguments.result, &study, &cases, dof)?;
+    Ok(if missing.is_empty() { ending(&cases) } else { Ending::SomeFailed })
+}
+
+/// Missing cases that a message names.
+const NAMED: usize = 12;
+
+fn ending(cases: &[FinishedCase]) -> Ending {
+    if cases.iter().any(|case| case.failed > 0) { Ending::SomeFailed } else { Ending::Done }
+}
+
+/// Reads a study whose files must not be overwritten.
+fn read(path: &Path, result: &StudyResultArguments) -> Result<Study, Failure> {
+    let study = Study::from_file(path).map_err(|error| refused(path, error))?;
+    for file in study.files() {
+        output::distinct(&file, &[&result.output, &result.plot])?;
+    }
+    Ok(study)
+}
+
+/// The forms in which a result is wanted, looked at before anything is solved.
+struct Wanted {
+    /// Text where there is none.
+    format: Option<Format>,
+    figure: Option<Figure>,
+}
+
+impl Wanted {
+    fn of(result: &StudyResultArguments, study: &Path) -> Result<Self, Failure> {
+        let format = match (result.format, &result.output) {
+            (Some(format), _) => Some(format),
+            (None, Some(path)) => Some(output::full_format(path)?),
+            (None, None) if io::stdout().is_terminal() => None,
+            (None, None) => Some(Format::Json),
+        };
+        let figure = result.plot.as_deref().map(Figure::new).transpose()?;
+        output::distinct(study, &[&result.output, &result.plot])?;
+        Ok(Self { format, figure })
+    }
+
+    fn write(
+        self,
+        answer: Output,
+        result: &StudyResultArguments,
+        study: &Study,
+        cases: &[FinishedCase],
+        dof: usize,
+    ) -> Result<(), Failure> {
+        write(answer, self.format, study, cases)?;
+        match self.figure {
+            Some(figure) => draw(figure, result, study, cases, dof),
+            None => Ok(()),
+        }
+    }
+}
+
+fn refused(study: &Path, error: StudyError) -> Failure {
     match error {
         StudyError::Keeping { .. } => Failure::Output(anyhow::Error::new(error)),
-        StudyError::Unreadable { .. } | StudyError::OtherStudy { .. } | StudyError::Busy { .. } => {
-            Failure::input(error)
-        }
-        error => in_file(&arguments.study, error),
+        StudyError::Unreadable { .. }
+        | StudyError::OtherStudy { .. }
+        | StudyError::NoCases { .. }
+        | StudyError::Busy { .. } => Failure::input(error),
+        error => in_file(study, error),
     }
 }
 
@@ -198,7 +294,7 @@ pub struct Picture<'a> {
 }
 
 /// The position of the dof that is drawn, where a picture is wanted.
-fn drawn_dof(study: &Study, arguments: &StudyArguments) -> Result<usize, Failure> {
+fn drawn_dof(study: &Study, arguments: &StudyResultArguments) -> Result<usize, Failure> {
     if arguments.plot.is_none() {
         return Ok(0);
     }
@@ -217,7 +313,7 @@ fn drawn_dof(study: &Study, arguments: &StudyArguments) -> Result<usize, Failure
 
 fn draw(
     figure: Figure,
-    arguments: &StudyArguments,
+    arguments: &StudyResultArguments,
     study: &Study,
     cases: &[FinishedCase],
     dof: usize,

@@ -24,7 +24,9 @@ enum Wanted {
 pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     let format = format(arguments)?;
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
-    output::distinct(&arguments.scene.scene, &[&arguments.output, &arguments.waveform, &arguments.plot])?;
+    let loops = arguments.loops.as_deref().map(Figure::new).transpose()?;
+    let files = [&arguments.output, &arguments.waveform, &arguments.plot, &arguments.loops];
+    output::distinct(&arguments.scene.scene, &files)?;
     let mut scene = arguments.scene.read()?;
     if let Some(frequency) = arguments.at {
         let one = Frequencies::one(frequency).map_err(|error| Failure::input(format!("--at: {error}")))?;
@@ -52,9 +54,12 @@ pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
     let solved = solve(&prepared, arguments, interrupted);
     let outcome = solved.outcome();
     write(result, &solved, &outcome)?;
-    if let Some(output) = period {
+    if period.is_some() || loops.is_some() {
         match solved.motion() {
-            Some(motion) => waveform::write(output, &scene, &motion)?,
+            Some(motion) => {
+                period.map(|output| waveform::write(output, &scene, &motion)).transpose()?;
+                loops.map(|figure| figure::contact_loops(figure, &scene, &motion)).transpose()?;
+            }
             None => say(format_args!("no waveform was written: the point was not solved")),
         }
     }

@@ -137,6 +137,11 @@ impl Workspace {
             tangent: Tangent::new(samples),
         }
     }
+
+    /// The tangent that [`Law::tangent`] answers with, for laws of other crates to fill in.
+    pub fn tangent_mut(&mut self) -> &mut Tangent {
+        &mut self.tangent
+    }
 }
 
 /// A contact law: the force of one contact over one period of its relative displacement.

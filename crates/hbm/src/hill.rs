@@ -274,45 +274,60 @@ impl Hill {
 }
 
 /// ψ_0 … ψ_N (ψ_{−k} is the conjugate of ψ_k, as z is real) for all 2n columns, and a term of the series.
+///
+/// Of each dof first the real parts and then the imaginary ones are stored, block by block, so that everything is a sum of long
+/// vectors.
 struct Lifted<'h> {
     hill: &'h Hill,
     truncation: usize,
-    /// Both parts of z in all blocks, n × (blocks · 2 · 2n) column by column: block, real or imaginary, column of z.
+    /// Entries of a block: 2n.
+    width: usize,
+    /// y and y′/s in all blocks.
     psi: [Vec<f64>; 2],
     term: [Vec<f64>; 2],
     next: [Vec<f64>; 2],
-    /// Bᵀy and Bᵀy′/s of a term, and what the springs make of them: (blocks · 2 · 2n) × m.
+    /// k, once an entry of block k.
+    turns: Vec<f64>,
+    /// bᵀ of a term, real and imaginary parts of all blocks from −N to N, with room for the reach of the couplings.
     along: [Vec<f64>; 2],
-    pull: Vec<f64>,
+    /// What a spring makes of it.
+    pull: [Vec<f64>; 2],
 }
+
+/// Up to so many dofs a few lines of arithmetic are faster than a blocked product begins.
+const FEW: usize = 8;
 
 impl<'h> Lifted<'h> {
     fn new(hill: &'h Hill, truncation: usize) -> Self {
-        let columns = (truncation + 1) * 4 * hill.dofs;
-        let blocks = || [vec![0.0; hill.dofs * columns], vec![0.0; hill.dofs * columns]];
-        let rows = || vec![0.0; columns * hill.springs.len()];
+        let (width, blocks) = (2 * hill.dofs, truncation + 1);
+        let plane = || vec![0.0; blocks * width];
+        let half = || vec![0.0; 2 * blocks * width * hill.dofs];
+        let around = || vec![0.0; (2 * truncation + 1 + 2 * hill.couplings.len()) * width];
         Self {
             hill,
             truncation,
-            psi: blocks(),
-            term: blocks(),
-            next: blocks(),
-            along: [rows(), rows()],
-            pull: rows(),
+            width,
+            psi: [half(), half()],
+            term: [half(), half()],
+            next: [half(), half()],
+            turns: (0..blocks).flat_map(|k| std::iter::repeat_n(k as f64, width)).collect(),
+            along: [around(), around()],
+            pull: [plane(), plane()],
         }
     }
 
     /// ψ_k = e^{ikθ₀} z.
     fn lift(&mut self, state: &Mat<f64>, theta: f64) {
-        let n = self.hill.dofs;
+        let (n, plane) = (self.hill.dofs, self.turns.len());
         for (half, psi) in self.psi.iter_mut().enumerate() {
-            for (block, entries) in psi.chunks_mut(4 * n * n).enumerate() {
-                let turn = Complex64::cis(block as f64 * theta);
-                for (factor, part) in [turn.re, turn.im].into_iter().zip(entries.chunks_mut(2 * n * n)) {
-                    for (j, column) in part.chunks_mut(n).enumerate() {
-                        for (i, entry) in column.iter_mut().enumerate() {
-                            *entry = factor * state[(half * n + i, j)];
-                        }
+            for (i, dof) in psi.chunks_mut(2 * plane).enumerate() {
+                let (re, im) = dof.split_at_mut(plane);
+                let blocks = re.chunks_mut(self.width).zip(im.chunks_mut(self.width));
+                for (k, (re, im)) in blocks.enumerate() {
+                    let turn = Complex64::cis(k as f64 * theta);
+                    for (j, (re, im)) in re.iter_mut().zip(im).enumerate() {
+                        let z = state[(half * n + i, j)];
+                        (*re, *im) = (turn.re * z, turn.im * z);
                     }
                 }
             }
@@ -321,10 +336,10 @@ impl<'h> Lifted<'h> {
 
     /// The middle block.
     fn project(&self, state: &mut Mat<f64>) {
-        let n = self.hill.dofs;
+        let (n, plane) = (self.hill.dofs, self.turns.len());
         for (half, psi) in self.psi.iter().enumerate() {
-            for (j, column) in psi.chunks(n).take(2 * n).enumerate() {
-                for (i, entry) in column.iter().enumerate() {
+            for (i, dof) in psi.chunks(2 * plane).enumerate() {
+                for (j, entry) in dof.iter().take(self.width).enumerate() {
                     state[(half * n + i, j)] = *entry;
                 }
             }
@@ -344,97 +359,114 @@ impl<'h> Lifted<'h> {
             for (psi, term) in self.psi.iter_mut().zip(&self.term) {
                 for (psi, term) in psi.iter_mut().zip(term) {
                     *psi += term;
-                    size = size.max(term.abs());
-                    whole = whole.max(psi.abs());
+                    size += term * term;
+                    whole += *psi * *psi;
                 }
             }
-            if size + before <= f64::EPSILON * whole {
+            let size = size.sqrt();
+            if size + before <= f64::EPSILON * whole.sqrt() {
                 return;
             }
             before = size;
         }
     }
 
-    /// `next` = H · term · factor.
+    /// `next` = H · term · factor: y′ = ik y + s v,  v′ = ik v − K/s y − D v − Σ b pull.
     fn apply(&mut self, factor: f64) {
-        let hill = self.hill;
-        let (n, springs) = (hill.dofs, hill.springs.len());
-        let columns = (self.truncation + 1) * 4 * n;
+        let (n, plane) = (self.hill.dofs, self.turns.len());
         let [y, v] = &self.term;
         let [next_y, next_v] = &mut self.next;
-        // y′ = ik y + s v;  v′ = ik v − K/s y − D v − B pull
-        rotated(y, n, factor, next_y);
-        for (next, v) in next_y.iter_mut().zip(v) {
-            *next += factor * hill.unit * v;
-        }
-        rotated(v, n, factor, next_v);
-        let y = MatRef::from_column_major_slice(y, n, columns);
-        let v = MatRef::from_column_major_slice(v, n, columns);
-        let mut next_v = MatMut::from_column_major_slice_mut(next_v, n, columns);
-        matmul(next_v.as_mut(), Accum::Add, hill.stiffness.as_ref(), y, -factor, Par::Seq);
-        matmul(next_v.as_mut(), Accum::Add, hill.damping.as_ref(), v, -factor, Par::Seq);
-        if hill.couplings.is_empty() {
-            return;
-        }
-        for (along, z) in self.along.iter_mut().zip([y, v]) {
-            let along = MatMut::from_column_major_slice_mut(along, columns, springs);
-            matmul(along, Accum::Replace, z.transpose(), hill.directions.as_ref(), 1.0, Par::Seq);
-        }
-        self.pull.fill(0.0);
-        let length = columns.max(1);
-        for (along, coefficients) in self.along.iter().zip([&hill.springs, &hill.rates]) {
-            let rows = along.chunks(length).zip(self.pull.chunks_mut(length));
-            for ((along, pull), coefficients) in rows.zip(coefficients) {
-                couple(coefficients, along, 2 * n, pull);
+        for (z, next) in [(y, &mut *next_y), (v, &mut *next_v)] {
+            for (z, next) in z.chunks(2 * plane).zip(next.chunks_mut(2 * plane)) {
+                let ((re, im), (next_re, next_im)) = (z.split_at(plane), next.split_at_mut(plane));
+                for ((next, im), turn) in next_re.iter_mut().zip(im).zip(&self.turns) {
+                    *next = -factor * turn * im;
+                }
+                for ((next, re), turn) in next_im.iter_mut().zip(re).zip(&self.turns) {
+                    *next = factor * turn * re;
+                }
             }
         }
-        let pull = MatRef::from_column_major_slice(&self.pull, columns, springs);
-        matmul(next_v, Accum::Add, hill.directions.as_ref(), pull.transpose(), -factor, Par::Seq);
+        add(factor * self.hill.unit, v, next_y);
+        for (matrix, z) in [(&self.hill.stiffness, y), (&self.hill.damping, v)] {
+            if n > FEW {
+                let next = MatMut::from_column_major_slice_mut(next_v, 2 * plane, n);
+                let z = MatRef::from_column_major_slice(z, 2 * plane, n);
+                matmul(next, Accum::Add, z, matrix.transpose(), -factor, Par::Seq);
+                continue;
+            }
+            for (i, next) in next_v.chunks_mut(2 * plane).enumerate() {
+                for (j, z) in z.chunks(2 * plane).enumerate() {
+                    add(-factor * matrix[(i, j)], z, next);
+                }
+            }
+        }
+        if !self.hill.couplings.is_empty() {
+            for spring in 0..self.hill.springs.len() {
+                self.pull_of(spring, factor);
+            }
+        }
+    }
+
+    /// Adds what a spring's variation does to `next`.
+    fn pull_of(&mut self, spring: usize, factor: f64) {
+        let (hill, plane) = (self.hill, self.turns.len());
+        let parts = || hill.directions.col(spring).iter().enumerate().filter(|(_, b)| **b != 0.0);
+        let middle = (self.truncation + hill.couplings.len()) * self.width;
+        for pull in &mut self.pull {
+            pull.fill(0.0);
+        }
+        for (z, coefficients) in self.term.iter().zip([&hill.springs, &hill.rates]) {
+            let Some(coefficients) = coefficients.get(spring).filter(|all| !all.is_empty()) else { continue };
+            for (part, (along, sign)) in self.along.iter_mut().zip([1.0, -1.0]).enumerate() {
+                let (below, above) = along.split_at_mut(middle);
+                let above = above.get_mut(..plane).unwrap_or_default();
+                above.fill(0.0);
+                for (i, b) in parts() {
+                    let from = (2 * i + part) * plane;
+                    add(*b, z.get(from..from + plane).unwrap_or_default(), above);
+                }
+                // p_{−k} = conj(p_k).
+                let mirrored = below.rchunks_mut(self.width).zip(above.chunks(self.width).skip(1));
+                for (below, above) in mirrored {
+                    for (below, above) in below.iter_mut().zip(above) {
+                        *below = sign * above;
+                    }
+                }
+            }
+            for (j, a) in (1..).zip(coefficients) {
+                couple(*a, &self.along, (middle, j * self.width), &mut self.pull);
+            }
+        }
+        let next = self.next.last_mut().map_or(&mut [][..], Vec::as_mut_slice);
+        for (i, b) in parts() {
+            for (part, pull) in self.pull.iter().enumerate() {
+                let from = (2 * i + part) * plane;
+                add(-factor * b, pull, next.get_mut(from..from + plane).unwrap_or_default());
+            }
+        }
     }
 }
 
-/// ik ψ_k · factor.
-fn rotated(psi: &[f64], n: usize, factor: f64, out: &mut [f64]) {
-    let half = 2 * n * n;
-    for (k, (psi, out)) in psi.chunks(2 * half).zip(out.chunks_mut(2 * half)).enumerate() {
-        let (re, im) = psi.split_at(half);
-        let (out_re, out_im) = out.split_at_mut(half);
-        let turn = factor * k as f64;
-        for (out, im) in out_re.iter_mut().zip(im) {
-            *out = -turn * im;
-        }
-        for (out, re) in out_im.iter_mut().zip(re) {
-            *out = turn * re;
-        }
+/// `out` += a x.
+fn add(a: f64, x: &[f64], out: &mut [f64]) {
+    for (out, x) in out.iter_mut().zip(x) {
+        *out += a * x;
     }
 }
 
-/// `out_k` += Σ_{j≥1} a_j p_{k+j} + conj(a_j) p_{k−j}, with p_{−k} = conj(p_k) and nothing beyond the truncation.
-fn couple(coefficients: &[Complex64], p: &[f64], width: usize, out: &mut [f64]) {
-    let blocks = p.len() / (2 * width);
-    let block = |k: usize| p.get(2 * width * k..2 * width * (k + 1)).unwrap_or_default().split_at(width);
-    for (k, out) in out.chunks_mut(2 * width).enumerate() {
-        let (out_re, out_im) = out.split_at_mut(width);
-        let mut add = |a: Complex64, l: usize, sign: f64| {
-            let (re, im) = block(l);
-            for ((out_re, out_im), (re, im)) in
-                out_re.iter_mut().zip(out_im.iter_mut()).zip(re.iter().zip(im))
-            {
-                let im = sign * im;
-                *out_re += a.re * re - a.im * im;
-                *out_im += a.re * im + a.im * re;
-            }
-        };
-        for (j, &a) in (1..).zip(coefficients) {
-            if k + j < blocks {
-                add(a, k + j, 1.0);
-            }
-            match k.checked_sub(j) {
-                Some(l) => add(a.conj(), l, 1.0),
-                None if j - k < blocks => add(a.conj(), j - k, -1.0),
-                None => {}
-            }
-        }
+/// `out_k` += a p_{k+j} + conj(a) p_{k−j} for all k from 0 on, in real and imaginary parts; p_0 begins at `middle`, p_{k±j} lies
+/// `reach` entries from p_k.
+fn couple(a: Complex64, p: &[Vec<f64>; 2], (middle, reach): (usize, usize), out: &mut [Vec<f64>; 2]) {
+    let [out_re, out_im] = out;
+    let after = p.each_ref().map(|p| p.get(middle + reach..).unwrap_or_default());
+    let before = p.each_ref().map(|p| p.get(middle - reach..).unwrap_or_default());
+    let pairs = after[0].iter().zip(after[1]).zip(before[0].iter().zip(before[1]));
+    for ((re, im), ((after_re, after_im), (before_re, before_im))) in
+        out_re.iter_mut().zip(out_im.iter_mut()).zip(pairs)
+    {
+        *re += a.re * (after_re + before_re) - a.im * (after_im - before_im);
+        *im += a.re * (after_im + before_im) + a.im * (after_re - before_re);
     }
 }
 

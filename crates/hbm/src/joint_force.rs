@@ -2,12 +2,17 @@
 //!
 //! The derivative is made of what the law answers to every harmonic of every direction: with `δf_r(τ)` the change of the force
 //! in direction r by `δw_c(τ) = Re(δW e^{ijτ})`, the two-sided coefficients of `δf_r` at p are those of a block as a scalar
-//! contact has one, here one for every pair of directions (r, c).
+//! contact has one, here one for every pair of directions (r, c). A law that is piecewise linear answers by its events instead: a
+//! series of pieces for every pair of directions that it couples.
 
-use contact::{JointChange, JointMarks, JointMotion, JointWorkspace, LawError, Motion};
+use contact::{
+    Coupling, JointChange, JointMarks, JointMotion, JointPiecewiseLinear, JointWorkspace, LawError, Motion,
+    Recall,
+};
 use faer::{Mat, c64};
 
 use crate::balance::{Balance, BalanceBuffers, Block, Homotopy, LADDER_STEP};
+use crate::pieces::PieceSeries;
 use crate::point::Point;
 use crate::problem::Joint;
 use crate::rows::joint_rows;
@@ -24,6 +29,9 @@ pub(crate) struct JointBuffers {
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     force: Vec<f64>,
+    /// Of a law that is evaluated by its events: what couples to what, and the series of each.
+    couplings: Vec<Coupling>,
+    series: Vec<PieceSeries>,
     pub(crate) marks: JointMarks,
 }
 
@@ -37,6 +45,8 @@ pub(crate) struct JointDerivative {
     answer: Vec<f64>,
     /// In N/m, entry `[c][j][r][p]`: by direction and harmonic of the motion, then of the force.
     blocks: Vec<Block>,
+    /// Influences of the memories of a series, entry `[memory][p]` in N/m.
+    influences: Vec<c64>,
 }
 
 impl JointDerivative {
@@ -49,6 +59,7 @@ impl JointDerivative {
             change: vec![0.0; samples],
             answer: vec![0.0; directions * samples],
             blocks: Vec::new(),
+            influences: Vec::new(),
         }
     }
 
@@ -63,11 +74,57 @@ impl JointDerivative {
     }
 }
 
+impl JointDerivative {
+    /// `δF_p = ε_p [δW_j K_{p−j} + conj(δW_j) K_{p+j}] + Σ_r S_{r,p} recall_r(δw)` of every coupling, for δW_j = 1 and i.
+    fn by_events(&mut self, own: &mut JointBuffers, orders: &[usize]) {
+        let (slots, directions) = (orders.len(), own.directions());
+        for (series, coupling) in own.series.iter_mut().zip(&own.couplings) {
+            let at = |j: usize| ((coupling.displacement * slots + j) * directions + coupling.force) * slots;
+            for (j, &order) in orders.iter().enumerate() {
+                let row = &mut self.blocks[at(j)..at(j) + slots];
+                for (block, &p) in row.iter_mut().zip(orders) {
+                    let stiffness = series.stiffness();
+                    let below = if p >= order { stiffness[p - order] } else { stiffness[order - p].conj() };
+                    let above = stiffness[p + order];
+                    let half = if p == 0 { 0.5 } else { 1.0 };
+                    block.0 += (below + above) * half;
+                    block.1 += c64::I * (below - above) * half;
+                }
+            }
+            self.influences.clear();
+            let recalls = series.memories(orders, &mut self.influences);
+            for (recall, influences) in recalls.iter().zip(self.influences.chunks_exact(slots.max(1))) {
+                for (j, &order) in orders.iter().enumerate() {
+                    let k = order as f64;
+                    let wave = match *recall {
+                        Recall::Displacement { tau } => c64::cis(k * tau),
+                        Recall::Velocity { tau } => c64::new(0.0, k) * c64::cis(k * tau),
+                        Recall::Mean => {
+                            if order == 0 {
+                                c64::ONE
+                            } else {
+                                c64::ZERO
+                            }
+                        }
+                    };
+                    for (block, influence) in self.blocks[at(j)..at(j) + slots].iter_mut().zip(influences) {
+                        block.0 += influence * wave.re;
+                        block.1 -= influence * wave.im;
+                    }
+                }
+            }
+        }
+    }
+}
+
 impl JointBuffers {
     pub(crate) fn new(joint: &Joint, samples: usize, highest: usize) -> Self {
         let directions = joint.directions.len();
         let in_time = || vec![0.0; directions * samples];
+        let couplings = joint.law.piecewise_linear().map_or(Vec::new(), |events| events.couplings());
         Self {
+            series: couplings.iter().map(|_| PieceSeries::default()).collect(),
+            couplings,
             law: joint.law.workspace(samples),
             harmonics: highest + 1,
             spectrum: vec![c64::ZERO; directions * (highest + 1)],
@@ -93,6 +150,43 @@ impl JointBuffers {
             odd: false,
             omega: 0.0,
         }
+    }
+
+    /// The series of the motion in `spectrum`. Only the velocity is needed at samples.
+    fn evaluate_events(
+        &mut self,
+        events: &dyn JointPiecewiseLinear,
+        transform: &Transform,
+        fft: &mut Buffers,
+    ) -> Result<(), LawError> {
+        let rows = self.velocity.chunks_exact_mut(transform.samples());
+        for (velocity, spectrum) in rows.zip(self.spectrum.chunks_exact(self.harmonics)) {
+            let rates = spectrum.iter().enumerate().map(|(k, w)| c64::new(-w.im, w.re) * k as f64);
+            transform.to_time(rates, velocity, fft);
+        }
+        let motion = JointMotion {
+            directions: self.directions(),
+            spectrum: &self.spectrum,
+            displacement: &self.displacement,
+            velocity: &self.velocity,
+        };
+        self.marks = events.pieces(&motion, &mut *self.law, &mut self.couplings)?;
+        for (series, coupling) in self.series.iter_mut().zip(&self.couplings) {
+            series.pieces.clone_from(&coupling.pieces);
+            series.integrate(motion.spectrum_of(coupling.displacement), self.harmonics - 1, false);
+        }
+        Ok(())
+    }
+
+    /// The force harmonics at `orders[slot]` in one direction by the series of the last evaluation, in N.
+    fn force_by_events(&self, direction: usize, orders: &[usize], slot: usize) -> c64 {
+        let spectra = |of: usize| &self.spectrum[of * self.harmonics..(of + 1) * self.harmonics];
+        self.series
+            .iter()
+            .zip(&self.couplings)
+            .filter(|(_, coupling)| coupling.force == direction)
+            .map(|(series, coupling)| series.force(spectra(coupling.displacement), orders, slot))
+            .sum()
     }
 
     /// The force for the motion in `spectrum`.
@@ -139,6 +233,18 @@ impl Balance<'_> {
                     own.spectrum[direction * own.harmonics + order] = unknowns[slot * width + row] * unit;
                 }
             }
+            if let Some(events) = joint.law.piecewise_linear().filter(|_| self.exact) {
+                own.evaluate_events(events, self.transform, &mut buffers.fft)?;
+                for (direction, row) in rows.enumerate() {
+                    let unit = joint.scale / point.force[row];
+                    for slot in 0..slots {
+                        let force = own.force_by_events(direction, &self.orders[..slots], slot);
+                        buffers.forces[slot * width + row] = force * unit;
+                    }
+                    self.blend_secant(point, slots, homotopy, row, unknowns, &mut buffers.forces);
+                }
+                continue;
+            }
             own.evaluate(joint, self.transform, &mut buffers.fft)?;
             for (force, row) in own.force.chunks_exact(self.transform.samples()).zip(rows) {
                 let coefficients = self.transform.to_coefficients(force, &mut buffers.fft);
@@ -168,6 +274,10 @@ impl Balance<'_> {
         };
         derivative.blocks.clear();
         derivative.blocks.resize((directions * slots).pow(2), (c64::ZERO, c64::ZERO));
+        if self.exact && joint.law.piecewise_linear().is_some() {
+            derivative.by_events(own, &self.orders[..slots]);
+            return;
+        }
         for direction in 0..directions {
             for (j, &order) in self.orders.iter().enumerate().take(slots) {
                 for imaginary in [false, true] {

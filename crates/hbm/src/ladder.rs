@@ -227,7 +227,9 @@ impl Plan {
 
     /// Whether every contact force is sampled: then more of its harmonics are known than the motion has.
     fn samples_all(&self) -> bool {
-        self.contacts.iter().all(|c| !self.exact || c.law.piecewise_linear().is_none())
+        let by_events = self.contacts.iter().any(|c| c.law.piecewise_linear().is_some())
+            || self.joints.iter().any(|joint| joint.law.piecewise_linear().is_some());
+        !(self.exact && by_events)
     }
 
     /// As [`Plan::extend`], with the forces that rung `below` ended with, and against the secant stiffness of the contact.
@@ -289,8 +291,32 @@ impl Plan {
             let (length, force) = (ws.point.length[column], ws.point.force[column]);
             ws.point.secant[column] = secant(&*contact.law, contact.scale, amplitude, length, force);
         }
-        self.stick_joints(1.0, ws);
+        self.linearise_joints(first, ws);
         self.solve_with_secants(slots, ws);
+    }
+
+    /// Secant stiffnesses F̂_1/û_1 of the rows of joints at the motion in `kept`, slot `first` being that of F̂_1. They lie
+    /// between none and that of a joint that sticks; where nothing moves it sticks.
+    fn linearise_joints(&self, first: usize, ws: &mut Workspace) {
+        self.stick_joints(1.0, ws);
+        let (slots, width) = (self.rungs[0].slots, ws.point.width());
+        let Workspace { point, kept, balance, .. } = ws;
+        let buffers = &mut balance[0];
+        if self.joints.is_empty()
+            || self.balance(0).joint_forces(point, slots, Homotopy::NONE, kept, buffers).is_err()
+        {
+            return;
+        }
+        for row in width - self.joint_rows..width {
+            let (motion, stuck) = (kept[first * width + row], point.secant[row].re);
+            let secant = buffers.forces[first * width + row] / motion;
+            if !secant.is_finite() {
+                continue;
+            }
+            let passive = c64::new(secant.re.max(0.0), secant.im.max(0.0));
+            let size = passive.norm();
+            point.secant[row] = if size > stuck { passive * (stuck / size) } else { passive };
+        }
     }
 
     /// Gives the rows of joints this share of the stiffness that their laws have where they stick.

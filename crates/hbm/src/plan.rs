@@ -49,8 +49,10 @@ pub struct PlanFacts {
     pub samples: usize,
     /// Contacts whose force is evaluated by its events, without sampling error.
     pub event_exact: usize,
-    /// Contacts in several directions: their forces are sampled, and all harmonics and the mean are unknown.
+    /// Contacts in several directions: all harmonics and the mean are unknown.
     pub joints: usize,
+    /// Of these, those whose forces are evaluated by their events; the forces of the others are sampled.
+    pub joints_by_events: usize,
     /// A number of samples was asked for, which piecewise linear laws would not need.
     pub sampled_on_request: bool,
     /// Harmonics of Ω up to which each rung of the ladder goes, the last being N.
@@ -232,15 +234,19 @@ impl Plan {
         let scalar = scalar_start && harmonics.asked == 1 && settings.start == Start::Ladder;
         // Asking for a number of samples asks for samples.
         let exact = settings.samples.is_none();
+        // Only to see between which samples the velocity changes sign, and to multiply two spectra.
+        let by_events = |n: usize| (if n < LONG { 8 } else { 4 }) * (n + 1);
         let needed = |c: &Contact, n: usize| match c.law.piecewise_linear().filter(|_| exact) {
-            // Only to see between which samples the velocity changes sign, and to multiply two spectra.
-            Some(_) => (if n < LONG { 8 } else { 4 }) * (n + 1),
+            Some(_) => by_events(n),
             None => c.law.samples(n),
         };
         let has_samples = sampled(&contacts, &joints, exact);
         let on_the_way = |n: usize| settings.truncation.is_none() && n < harmonics.asked;
         let rung = |n: usize, least: usize| {
-            let by_joints = joints.iter().map(|joint| joint.law.samples(n));
+            let by_joints = joints.iter().map(|joint| match joint.law.piecewise_linear().filter(|_| exact) {
+                Some(_) => by_events(n),
+                None => joint.law.samples(n),
+            });
             let asked = contacts.iter().map(|c| needed(c, n)).chain(by_joints).max().unwrap_or(0);
             // A rung on the way is left before its sampling error counts.
             let asked = if on_the_way(n) && has_samples { asked / 4 } else { asked };
@@ -283,7 +289,9 @@ impl Plan {
         let iterated = !self.scalar && !self.linear;
         let by_events = |c: &&Contact| iterated && self.exact && c.law.piecewise_linear().is_some();
         let event_exact = self.contacts.iter().filter(by_events).count();
-        let sampled = iterated && (event_exact < self.contacts.len() || !self.joints.is_empty());
+        let joint_by_events = |joint: &&Joint| self.exact && joint.law.piecewise_linear().is_some();
+        let joints_by_events = self.joints.iter().filter(joint_by_events).count();
+        let sampled = iterated && (event_exact < self.contacts.len() || joints_by_events < self.joints.len());
         let bounded = self.joints.is_empty() && self.contacts.iter().all(|c| c.law.stiffest().is_some());
         let last = self.rungs.get(self.top);
         let unknowns = self.balance(self.top).size(self.rows(), self.slots());
@@ -296,6 +304,7 @@ impl Plan {
             samples: if sampled { last.map_or(0, |rung| rung.transform.samples()) } else { 0 },
             event_exact,
             joints: self.joints.len(),
+            joints_by_events,
             sampled_on_request: !self.exact,
             ladder: self
                 .rungs
@@ -406,7 +415,8 @@ impl Plan {
 
 /// Whether some contact force is evaluated at samples.
 fn sampled(contacts: &[Contact], joints: &[Joint], exact: bool) -> bool {
-    !joints.is_empty() || contacts.iter().any(|c| !exact || c.law.piecewise_linear().is_none())
+    joints.iter().any(|joint| !exact || joint.law.piecewise_linear().is_none())
+        || contacts.iter().any(|c| !exact || c.law.piecewise_linear().is_none())
 }
 
 /// Rungs in multiples of the base frequency: 1, 3, 7, 15, … below the highest, from the highest excited one on.

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use contact::{
-    Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb, ElasticCoulombParameters,
-    JointChange, JointLaw, JointMarks, JointMotion, JointWorkspace, Law, LawError, MagnitudeLaw, PhaseLaw,
-    ScaledLoop, Symmetry,
+    ContactState, Coulomb, CoulombParameters, Cubic, CubicParameters, ElasticCoulomb,
+    ElasticCoulombParameters, FrictionContact, FrictionContactParameters, JointChange, JointLaw, JointMarks,
+    JointMotion, JointWorkspace, Law, LawError, MagnitudeLaw, PhaseLaw, ScaledLoop, Symmetry,
 };
 use faer::{Mat, c64, mat};
 use hysteresis::Loop;
@@ -141,7 +141,21 @@ fn joined() -> Problem {
         law: Arc::new(Bulging),
         scale,
     };
-    Problem { joints: vec![joint(0.4, 1.0), joint(1.9, 0.3)], ..problem() }
+    let parameters = FrictionContactParameters {
+        tangential_stiffness: 2e6,
+        normal_stiffness: 3e6,
+        friction_coefficient: 0.4,
+        preload: Some(8.0),
+        gap: None,
+    };
+    let part = |dof: usize| Direction { parts: vec![(dof, 1.0)] };
+    let friction = Joint {
+        name: "f".into(),
+        directions: vec![part(0), part(1), part(2)],
+        law: Arc::new(FrictionContact::new(parameters, 2).unwrap()),
+        scale: 1.0,
+    };
+    Problem { joints: vec![joint(0.4, 1.0), friction, joint(1.9, 0.3)], ..problem() }
 }
 
 #[test]
@@ -152,6 +166,84 @@ fn the_jacobian_agrees_with_central_differences() {
 #[test]
 fn the_jacobian_with_joints_agrees_with_central_differences() {
     check_jacobian(&joined());
+}
+
+/// Friction in one and in two directions under loads that the motion changes, the first by its events.
+fn rubbing() -> Problem {
+    let parameters = |preload, gap| FrictionContactParameters {
+        tangential_stiffness: 2e6,
+        normal_stiffness: 3e6,
+        friction_coefficient: 0.6,
+        preload,
+        gap,
+    };
+    let joint = |turn: f64, parameters, tangential: usize| Joint {
+        name: "j".into(),
+        directions: (0..=tangential)
+            .map(|d| turn + 1.3 * d as f64)
+            .map(|turn| Direction { parts: vec![(0, turn.cos()), (1, turn.sin()), (2, -0.5)] })
+            .collect(),
+        law: Arc::new(FrictionContact::new(parameters, tangential).unwrap()),
+        scale: 0.7,
+    };
+    let joints = vec![
+        joint(0.4, parameters(Some(8.0), None), 1),
+        joint(1.0, parameters(None, Some(-3e-6)), 1),
+        joint(1.9, parameters(Some(5.0), None), 2),
+    ];
+    Problem { joints, ..problem() }
+}
+
+#[test]
+fn the_jacobian_with_friction_agrees_with_central_differences() {
+    check_jacobian(&rubbing());
+}
+
+/// One friction contact in one direction, opening at times.
+fn rattling() -> Problem {
+    let Problem { model, joints, .. } = rubbing();
+    let force = |dof, harmonic, amplitude, phase| Excitation {
+        dof,
+        harmonic,
+        amplitude,
+        phase,
+        kind: ExcitationKind::Force,
+    };
+    Problem {
+        model,
+        excitation: vec![force(0, 1, 14.0, 0.2), force(1, 1, 16.0, 1.1), force(2, 2, 5.0, 0.0)],
+        contacts: Vec::new(),
+        joints: joints.into_iter().take(1).collect(),
+        output: vec![0],
+    }
+}
+
+#[test]
+fn friction_by_its_events_is_what_samples_tend_to() {
+    let problem = rattling();
+    let solve = |samples: Option<usize>| {
+        let plan = Plan::new(&problem, &Settings { samples, ..Settings::new(7) }).unwrap();
+        let facts = plan.facts();
+        assert_eq!((facts.joints, facts.joints_by_events), (1, usize::from(samples.is_none())));
+        assert_eq!(facts.samples, samples.unwrap_or(0));
+        let solution = plan.solve(60.0, &mut plan.workspace());
+        assert_eq!(solution.status, crate::Status::Converged);
+        let joint = &solution.joints[0];
+        assert!(joint.apart > 0.02 && joint.state == ContactState::Mixed, "{joint:?}");
+        assert!(joint.dissipation > 0.0);
+        joint.directions.iter().flat_map(|d| d.displacement.clone()).collect::<Vec<_>>()
+    };
+    let exact = solve(None);
+    let size: f64 = exact.iter().map(|w| w.norm_sqr()).sum();
+    let error = |samples: usize| {
+        let other = solve(Some(samples));
+        let change: f64 = exact.iter().zip(other).map(|(a, b)| (a - b).norm_sqr()).sum();
+        (change / size).sqrt()
+    };
+    let (coarse, fine) = (error(128), error(2048));
+    let rate = (coarse / fine).log2() / 4.0;
+    // With the square of the samples, up and down with how the events fall between them.
+    assert!(fine < 5e-6 && rate > 1.8, "{coarse:e} {fine:e} {rate}");
 }
 
 fn check_jacobian(problem: &Problem) {
@@ -165,7 +257,7 @@ fn check_jacobian(problem: &Problem) {
     let buffers = &mut ws.balance[rung];
     let width = ws.point.width();
     let size = balance.size(width, slots);
-    let rows = 4 + 2 * problem.joints.len();
+    let rows = 4 + problem.joints.iter().map(|joint| joint.directions.len()).sum::<usize>();
     assert_eq!((slots, size), (5, 2 * rows * 5 - rows));
     let secants = [c64::new(0.7, 0.2), c64::new(1.3, 0.0), c64::new(0.2, 0.9), c64::ZERO];
     for (row, secant) in ws.point.secant.iter_mut().enumerate() {

@@ -12,6 +12,7 @@
 mod axis;
 mod backbone_plot;
 mod chart;
+mod contact_loops;
 mod curve_plot;
 mod heat_map;
 mod image;
@@ -30,6 +31,7 @@ mod truncation_plot;
 pub use axis::Axis;
 pub use backbone_plot::{BackbonePlot, write_backbone};
 pub use chart::{BOTTOM, BOTTOM_BARE, Chart, Curve, TOP};
+pub use contact_loops::{ContactLoop, ContactLoops, write_contact_loops};
 pub use curve_plot::{CurvePanel, CurvePlot, write_curve};
 pub use heat_map::{HeatMap, Parameter, write_heat_map};
 pub use image::write;

@@ -259,15 +259,19 @@ fn several_directions(prepared: &Prepared, facts: &PlanFacts) -> Step {
         (0, count) => format!("{count} with two tangential directions"),
         (line, plane) => format!("{line} with one tangential direction, {plane} with two"),
     };
-    step(
-        what,
-        true,
-        format!(
-            "{which}, under a normal load that the motion changes; their forces are followed over {} instants of a period \
-             until they repeat",
+    let how = match facts.joints_by_events {
+        0 => {
+            format!("their forces are followed over {} instants of a period until they repeat", facts.samples)
+        }
+        all if all == facts.joints => {
+            "their forces come from their events, without sampling error".to_owned()
+        }
+        some => format!(
+            "the forces of {some} come from their events, the others are followed over {} instants of a period until they repeat",
             facts.samples
         ),
-    )
+    };
+    step(what, true, format!("{which}, under a normal load that the motion changes; {how}"))
 }
 
 fn iteration(facts: &PlanFacts, jacobian: Jacobian) -> Vec<Step> {

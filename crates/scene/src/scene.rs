@@ -1,10 +1,11 @@
 //! A scene: what is to be solved, read and checked.
 
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-use hbm::{Excitation, ExcitationKind, Plan, Problem, Settings};
+use contact::Law;
+use hbm::{Contact, Excitation, ExcitationKind, Jacobian, Plan, Problem, Settings};
 use structure::Progress;
 
 use crate::contacts::{self, Contacts};
@@ -182,6 +183,28 @@ impl Scene {
     pub fn with_stability(mut self) -> Self {
         self.settings.stability = true;
         self
+    }
+
+    /// The same scene with another law at the contacts called `name`, or `name[0]`, `name[1]`, …; its derivative is taken by
+    /// differences. For laws that no scene file can hold.
+    ///
+    /// # Errors
+    /// When there is no such contact.
+    pub fn with_law(mut self, name: &str, law: &Arc<dyn Law>) -> Result<Self, SceneError> {
+        let belongs = |contact: &Contact| {
+            contact.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
+        };
+        let mut found = false;
+        for contact in self.contacts.contacts.iter_mut().filter(|contact| belongs(contact)) {
+            contact.law = law.clone();
+            found = true;
+        }
+        if !found {
+            return Err(SceneError::entry("contacts", format!("there is no contact {name:?}")));
+        }
+        self.settings.jacobian = Jacobian::Difference;
+        self.posed = OnceLock::new();
+        Ok(self)
     }
 
     /// The scene's name; that of its file when it has none.

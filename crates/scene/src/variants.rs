@@ -26,11 +26,16 @@ impl Variants {
     pub fn from_file(path: &Path) -> Result<Self, SceneError> {
         let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
         let text = std::fs::read_to_string(path).map_err(unreadable)?;
-        Ok(Self {
-            json: json::parse(&text)?,
-            records: Records::new(path.parent().unwrap_or(Path::new(""))),
-            stem: path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
-        })
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        Self::from_str(&text, path.parent().unwrap_or(Path::new("")), &stem)
+    }
+
+    /// Reads a scene's text; names of files in it are relative to `base`, and a scene without a name gets this one.
+    ///
+    /// # Errors
+    /// When it is no JSON.
+    pub fn from_str(text: &str, base: &Path, name: &str) -> Result<Self, SceneError> {
+        Ok(Self { json: json::parse(text)?, records: Records::new(base), stem: name.to_owned() })
     }
 
     /// The number at a JSON pointer (`/contacts/0/law/slip_force`).

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::StudyError;
 use crate::grid::{Keep, Study};
 use crate::periodic::{dense, half_range};
+use crate::shard::Shard;
 use crate::truth;
 
 /// What is kept of one point or one maximum.
@@ -79,6 +80,8 @@ pub type Keeper<'a> = dyn FnMut(&FinishedCase) -> Result<(), StudyError> + Send 
 /// How a study runs.
 #[derive(Default)]
 pub struct StudyOptions<'a> {
+    /// The part of the cases to solve; `None` is all.
+    pub shard: Option<Shard>,
     /// Threads to use; `None` is one a core.
     pub threads: Option<usize>,
     /// Raised from outside to stop early; finished cases are kept.
@@ -90,8 +93,8 @@ pub struct StudyOptions<'a> {
 }
 
 impl Study {
-    /// Solves all cases but those that are `known`; returns all finished ones, known ones included, in the order of the
-    /// cases. Whatever the number of threads the result is the same, bit for bit.
+    /// Solves all cases of the shard but those that are `known`; returns all finished ones, known ones included, in the order of
+    /// the cases. Whatever the number of threads the result is the same, bit for bit.
     ///
     /// # Errors
     /// When the values of a case make no scene, or a finished case cannot be kept.
@@ -100,14 +103,16 @@ impl Study {
         known: Vec<FinishedCase>,
         options: StudyOptions,
     ) -> Result<Vec<FinishedCase>, StudyError> {
-        let StudyOptions { threads, cancel, progress, keeper } = options;
+        let StudyOptions { shard, threads, cancel, progress, keeper } = options;
+        let shard = shard.unwrap_or(Shard::WHOLE);
         let mut there = vec![false; self.cases()];
         for case in &known {
             if let Some(there) = there.get_mut(case.case) {
                 *there = true;
             }
         }
-        let missing: Vec<usize> = (0..there.len()).filter(|i| there.get(*i) == Some(&false)).collect();
+        let missing: Vec<usize> =
+            (0..there.len()).filter(|i| shard.has(*i) && there.get(*i) == Some(&false)).collect();
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
         let threads = threads.unwrap_or(cores).max(1);
         // Few cases leave threads to the frequencies of each.

@@ -54,6 +54,15 @@ pub enum StudyError {
         /// The file with the finished cases.
         path: PathBuf,
     },
+    /// A file that should hold finished cases of the study does not.
+    #[error(
+        "{} holds no cases of this study: it is another file, or the study, its scene, a record or the program has changed since",
+        path.display()
+    )]
+    NoCases {
+        /// The file.
+        path: PathBuf,
+    },
     /// Another run has the finished cases.
     #[error("{} is in use by another run of this study; wait for it, or name another output", path.display())]
     Busy {

@@ -3,7 +3,8 @@
 //! - [`Truths`]: the exact response of a scene where it is known, else one with far more harmonics, and the distance of
 //!   a solution from it ([`Truth::errors`]).
 //! - [`truncation()`]: error and run time against the number of harmonics.
-//! - [`Study`]: a grid over entries of a scene and numbers of harmonics; [`Partial`] keeps what is finished.
+//! - [`Study`]: a grid over entries of a scene and numbers of harmonics; [`Partial`] keeps what is finished, and
+//!   [`Shard`] is a part of it for one of several machines.
 //! - [`EstimateQuality`]: how far error estimates can be trusted.
 //! - [`Convergence`]: errors over the size of a discretisation, and the order at which they fall.
 //! - [`work_precision`]: error against run time.
@@ -22,6 +23,7 @@ mod fingerprint;
 mod grid;
 mod partial;
 mod periodic;
+mod shard;
 mod stability;
 mod start;
 mod stepping;
@@ -39,6 +41,7 @@ pub use estimate_quality::{EstimateQuality, JudgedPoint};
 pub use fingerprint::Fingerprint;
 pub use grid::{Case, Keep, Study};
 pub use partial::Partial;
+pub use shard::Shard;
 pub use stability::stability;
 pub use stepping::{Stepped, SteppingError, SteppingSettings, step_until_periodic};
 pub use system::system;

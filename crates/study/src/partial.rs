@@ -20,6 +20,13 @@ struct Header {
     cases: usize,
 }
 
+impl Header {
+    fn of(study: &Study) -> Self {
+        let fingerprint = study.fingerprint().to_string();
+        Self { stickslip_study: FORMAT, fingerprint, cases: study.cases() }
+    }
+}
+
 /// Raised when lines of older programs would be misread.
 const FORMAT: u32 = 1;
 
@@ -56,11 +63,7 @@ impl Partial {
         if restart {
             file.set_len(0).map_err(keeping)?;
         }
-        let header = Header {
-            stickslip_study: FORMAT,
-            fingerprint: study.fingerprint().to_string(),
-            cases: study.cases(),
-        };
+        let header = Header::of(study);
         let found = read(&file, &header, study.cases()).map_err(keeping)?;
         let (finished, length) = match found {
             Found::Nothing => {
@@ -82,6 +85,29 @@ impl Partial {
     pub fn keep(&mut self, case: &FinishedCase) -> Result<(), StudyError> {
         let keeping = |source| StudyError::Keeping { path: self.path.clone(), source };
         write_line(&mut self.file, case).map_err(keeping)
+    }
+
+    /// Calls the file `output`: it holds all cases of a shard, to be read by [`Partial::finished`].
+    ///
+    /// # Errors
+    /// When it cannot be brought to the disk under that name.
+    pub fn finish(self, output: &Path) -> Result<(), StudyError> {
+        let keeping = |source| StudyError::Keeping { path: output.to_owned(), source };
+        self.file.sync_all().map_err(keeping)?;
+        std::fs::rename(&self.path, output).map_err(keeping)
+    }
+
+    /// The finished cases in a file that [`Partial::finish`] left, or in one that a run stopped early left.
+    ///
+    /// # Errors
+    /// [`StudyError::NoCases`] when it is none of `study`, [`StudyError::Unreadable`] when it cannot be read.
+    pub fn finished(study: &Study, path: &Path) -> Result<Vec<FinishedCase>, StudyError> {
+        let unreadable = |source| StudyError::Unreadable { path: path.to_owned(), source };
+        let file = File::open(path).map_err(unreadable)?;
+        match read(&file, &Header::of(study), study.cases()).map_err(unreadable)? {
+            Found::Cases(finished, _) => Ok(finished),
+            Found::Nothing | Found::Another => Err(StudyError::NoCases { path: path.to_owned() }),
+        }
     }
 
     /// The file.

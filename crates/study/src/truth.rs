@@ -218,12 +218,15 @@ impl<'s> Truths<'s> {
                 amplitude: 0.5 * (most - least),
             }
         };
-        let contacts = 0..self.posed.contacts.len();
+        let (contacts, joints) = (0..self.posed.contacts.len(), 0..self.posed.joints.len());
         let mut truth = Truth {
             frequency: hertz,
             reference: Reference::Orbit,
             dofs: self.outputs().iter().map(dof).collect(),
-            dissipation: contacts.map(|contact| orbit.dissipation(contact)).sum(),
+            dissipation: contacts
+                .map(|contact| orbit.dissipation(contact))
+                .chain(joints.map(|joint| orbit.joint_dissipation(joint)))
+                .sum(),
             no_orbit: None,
             distance: None,
             first: self.first(),

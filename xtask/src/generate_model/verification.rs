@@ -7,7 +7,7 @@ use faer::Mat;
 use super::blade::{Blade, Cells};
 use super::material::STEEL;
 use super::mesh::Mesh;
-use super::plan::{Generated, Places};
+use super::plan::{Generated, Places, choose_sites};
 use super::sector::Sectors;
 use super::structure::Structure;
 use super::{lumped, resonances};
@@ -203,6 +203,41 @@ fn shrouds_that_rub_are_at_the_same_place() {
     }
     let angle: f64 = generated.excited[1].phase;
     assert!((angle + 2.0 * PI * 3.0 / 8.0).abs() < 1e-15);
+}
+
+#[test]
+fn shrouds_touch_in_three_directions_where_they_face_each_other() {
+    let place = |mesh: &Mesh, structure: &Structure, dof: usize| {
+        let (node, direction) = structure.names[dof].split_once(':').unwrap();
+        assert_eq!(direction, "x");
+        assert!(structure.names[dof + 1].ends_with(":r") && structure.names[dof + 2].ends_with(":t"));
+        mesh.nodes[node.parse::<usize>().unwrap() - 1]
+    };
+    let ring = Sectors { ring: true, count: 8, ..SECTORS };
+    let (generated, mesh) = (ring.generate(1300).unwrap(), ring.bare_mesh(1300).unwrap());
+    assert_eq!(generated.sites.len(), generated.places.first.len());
+    for site in &generated.sites {
+        let a = place(&mesh, &generated.structure, site.first);
+        let b = place(&mesh, &generated.structure, site.second.unwrap());
+        let distance: f64 = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum();
+        assert!(site.normal == 1.0 && distance.sqrt() < 1e-12, "{a:?} {b:?}");
+    }
+    // The first body of the first site belongs to the first sector, which the second one follows around the axis: a brick of
+    // the first body lies at smaller angles.
+    let angle = |node: [f64; 3]| node[1].atan2(node[2]);
+    let first = place(&mesh, &generated.structure, generated.sites[0].first);
+    assert!((angle(first) - PI / 8.0).abs() < 1e-12, "{first:?}");
+    // Alone, each side is pressed outwards: at a positive angle the neighbour comes in the direction of t.
+    let (generated, mesh) = (SECTORS.generate(600).unwrap(), SECTORS.bare_mesh(600).unwrap());
+    for site in &generated.sites {
+        let at = angle(place(&mesh, &generated.structure, site.first));
+        assert!(site.second.is_none() && (at - site.normal * PI / 24.0).abs() < 1e-12, "{site:?} {at}");
+    }
+    let chosen = choose_sites(&generated.sites, 4).unwrap();
+    assert_eq!(chosen.iter().map(|site| site.normal).collect::<Vec<_>>(), [1.0, 1.0, -1.0, -1.0]);
+    assert_eq!(chosen[0].pairs().count(), 3);
+    assert!(choose_sites(&generated.sites, generated.sites.len() + 1).is_err());
+    assert!(choose_sites(&[], 1).unwrap_err().to_string().contains("--joints"));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use scene::{Frequencies, Origin};
+use study::Shard;
 
 use super::{FREQUENCIES, Format, SceneArguments, TableFormat, TextFormat};
 
@@ -293,7 +294,9 @@ Finished cases are kept in OUT.part beside the result: after Ctrl-C the same com
 Examples:
   stickslip study damper.json --dry-run                        what it would do
   stickslip study damper.json -o peaks.csv --plot peaks.svg
-  stickslip study damper.json -o peaks.csv --restart           forget what was finished before";
+  stickslip study damper.json -o peaks.csv --restart           forget what was finished before
+  stickslip study damper.json --shard 2/8 -o part2             the second of eight parts, on one of eight machines
+  stickslip merge damper.json part* -o peaks.csv               the same result as without parts";
 
 /// `stickslip study`.
 #[derive(Debug, Args)]
@@ -303,18 +306,51 @@ pub struct StudyArguments {
     /// Threads to use [default: one a core]
     #[arg(long, value_name = "T")]
     pub threads: Option<NonZeroUsize>,
-    /// Form of the result [default: by the extension of -o, else json]
-    #[arg(long, value_enum)]
-    pub format: Option<Format>,
-    /// Write the result to FILE, whole or not at all
-    #[arg(short, long, value_name = "FILE")]
-    pub output: Option<PathBuf>,
     /// Begin anew instead of going on where an interrupted run stopped
     #[arg(long, requires = "output")]
     pub restart: bool,
     /// Say how many cases there are, and stop
     #[arg(long)]
     pub dry_run: bool,
+    /// Solve part I of N alone; -o gets its finished cases, for stickslip merge
+    #[arg(long, value_name = "I/N", requires = "output", conflicts_with_all = ["format", "plot", "dry_run"])]
+    pub shard: Option<Shard>,
+    #[command(flatten)]
+    pub result: StudyResultArguments,
+}
+
+pub const MERGE: &str = "\
+The parts may be in any order, and cases that are in several of them are the same. Cases that are in none are named, and the exit \
+code is 1 unless --incomplete is given.
+
+Examples:
+  stickslip merge damper.json part1 part2 part3 -o peaks.csv
+  stickslip merge damper.json part* -o peaks.csv --plot peaks.svg";
+
+/// `stickslip merge`.
+#[derive(Debug, Args)]
+pub struct MergeArguments {
+    /// The study's file, JSON
+    pub study: PathBuf,
+    /// What stickslip study --shard wrote
+    #[arg(required = true, value_name = "PART")]
+    pub parts: Vec<PathBuf>,
+    /// Write a result although cases are missing; it says so
+    #[arg(long)]
+    pub incomplete: bool,
+    #[command(flatten)]
+    pub result: StudyResultArguments,
+}
+
+/// What becomes of a study's finished cases.
+#[derive(Debug, Args)]
+pub struct StudyResultArguments {
+    /// Form of the result [default: by the extension of -o, else json]
+    #[arg(long, value_enum)]
+    pub format: Option<Format>,
+    /// Write the result to FILE, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
     /// Draw the response's highest point over one varied entry, or over two as a heat map
     #[arg(long, value_name = "FILE.svg|.png")]
     pub plot: Option<PathBuf>,

@@ -1,0 +1,66 @@
+//! `cargo xtask python`: builds the wheel of the Python package, and tests it where nothing but the wheel is installed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::virtual_environment::VirtualEnvironment;
+
+/// What builds the wheel and checks its types.
+const BUILDING: &str = "maturin>=1.8,<2\nmypy>=1.11\nnumpy>=2\n";
+
+/// What the tests use beside the wheel.
+const TESTING: &str =
+    "pytest>=8\nnumpy>=1.24\nscipy>=1.11\npandas>=2\nmatplotlib>=3.8\ndistributed>=2024.1\n";
+
+/// Builds the wheel and runs type check and tests; without Python it says so, and with `required` fails.
+///
+/// # Errors
+/// What failed.
+pub(crate) fn run(root: &Path, required: bool) -> Result<()> {
+    if !required && !Command::new("python3").arg("--version").output().is_ok_and(|o| o.status.success()) {
+        eprintln!("python3 is missing, the Python package is not tested");
+        return Ok(());
+    }
+    let package = root.join("crates").join("python");
+    let building = VirtualEnvironment::with(&root.join("target").join("python").join("building"), BUILDING)?;
+    let wheel = build(root, &building)?;
+    eprintln!("checking types");
+    let types = building.python().args(["-m", "mypy", "python/stickslip"]).current_dir(&package).status()?;
+    ensure!(types.success(), "mypy finds mistakes");
+    let clean = VirtualEnvironment::with(&root.join("target").join("python").join("testing"), TESTING)?;
+    clean.install(&["--force-reinstall".as_ref(), "--no-deps".as_ref(), wheel.as_os_str()])?;
+    eprintln!("testing {}", wheel.display());
+    let tests = clean
+        .python()
+        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
+        // The package of the sources has no compiled part: what is tested is what was installed.
+        .current_dir(&package)
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("MPLBACKEND", "Agg")
+        .status()?;
+    ensure!(tests.success(), "tests of the Python package fail");
+    Ok(())
+}
+
+/// The wheel, in `target/python/wheels`.
+fn build(root: &Path, building: &VirtualEnvironment) -> Result<PathBuf> {
+    let folder = root.join("target").join("python").join("wheels");
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    }
+    let built = Command::new(building.program("maturin"))
+        .args(["build", "--release", "--quiet", "--out"])
+        .arg(&folder)
+        .current_dir(root.join("crates").join("python"))
+        .status()
+        .context("maturin")?;
+    ensure!(built.success(), "maturin cannot build the wheel");
+    let wheels: Vec<PathBuf> = fs::read_dir(&folder)?.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    match wheels.as_slice() {
+        [wheel] => Ok(wheel.clone()),
+        others => anyhow::bail!("{} wheels in {}, one was expected", others.len(), folder.display()),
+    }
+}
