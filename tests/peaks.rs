@@ -335,8 +335,17 @@ fn values_without_a_problem_are_marked() {
     let with = |slip: f64| (!(20.0..=45.0).contains(&slip)).then(|| scene_r_with(slip));
     let options = options((2.0, 60.0), (20.0, 130.0));
     let curve = follow_peaks(&with, &Settings::new(1), &options).unwrap();
-    let failed: Vec<f64> =
-        curve.points.iter().filter(|p| p.status == PeakStatus::Failed).map(|p| p.parameter).collect();
+    let marked = |status| -> Vec<f64> {
+        curve.points.iter().filter(|p| p.status == status).map(|p| p.parameter).collect()
+    };
+    let failed = marked(PeakStatus::Failed);
     assert!(!failed.is_empty() && failed.iter().all(|slip| (20.0..=45.0).contains(slip)), "{failed:?}");
     assert!(curve.points.iter().all(|p| p.peaks.is_empty() == (p.status == PeakStatus::Failed)));
+    // Between a value without a problem and the survey beside it a peak may be missing.
+    let (first, last) = (failed[0], failed[failed.len() - 1]);
+    let surveyed = marked(PeakStatus::Surveyed);
+    let before = surveyed.iter().copied().filter(|slip| *slip < first).fold(0.0, f64::max);
+    let after = surveyed.iter().copied().filter(|slip| *slip > last).fold(f64::INFINITY, f64::min);
+    assert!(marked(PeakStatus::Doubtful).iter().all(|slip| *slip > before && *slip < after));
+    assert!(marked(PeakStatus::Followed).iter().all(|slip| *slip < before || *slip > after));
 }

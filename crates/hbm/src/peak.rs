@@ -41,6 +41,8 @@ pub enum PeakStatus {
     HigherAtEnd(f64, f64),
     /// The response at this frequency in Hz is higher (m) than every peak that was found.
     Incomplete(f64, f64),
+    /// Followed, but a survey beside it is incomplete or failed: a higher peak may be missing here too.
+    Doubtful,
     /// No peak was found, or one that exists on both sides was not.
     Failed,
 }
@@ -48,7 +50,7 @@ pub enum PeakStatus {
 impl PeakStatus {
     /// Whether the highest peak is known.
     pub fn sound(&self) -> bool {
-        !matches!(self, Self::Incomplete(..) | Self::Failed)
+        !matches!(self, Self::Incomplete(..) | Self::Doubtful | Self::Failed)
     }
 }
 

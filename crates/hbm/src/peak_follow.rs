@@ -249,6 +249,7 @@ impl<'a> Follower<'a> {
             // What is not finished is not failed.
             points.retain(|point| point.status != PeakStatus::Failed);
         }
+        doubt(&mut points, &|point| values.iter().any(|value| value.1 == point.parameter));
         points
     }
 
@@ -306,6 +307,24 @@ fn has(branch: &[Node], at: f64) -> Option<&Node> {
 
 fn peak(branch: usize, summit: &Summit) -> Peak {
     Peak { branch, amplitude: summit.amplitude, solution: summit.solution.clone() }
+}
+
+/// Marks followed points beside a survey whose highest peak is not known.
+fn doubt(points: &mut [PeakPoint], surveyed: &dyn Fn(&PeakPoint) -> bool) {
+    for forward in [true, false] {
+        let mut sound = true;
+        let mut mark = |point: &mut PeakPoint| {
+            if surveyed(point) {
+                sound = point.status.sound();
+            } else if !sound && point.status == PeakStatus::Followed {
+                point.status = PeakStatus::Doubtful;
+            }
+        };
+        match forward {
+            true => points.iter_mut().for_each(&mut mark),
+            false => points.iter_mut().rev().for_each(&mut mark),
+        }
+    }
 }
 
 /// Relative difference from which on a peak of a survey is another one.

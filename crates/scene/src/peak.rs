@@ -92,7 +92,8 @@ pub struct PeaksPoint {
     /// Value of the entry.
     pub parameter: f64,
     /// `surveyed`: the whole response was looked at; `followed`: from surveyed neighbours; `higher at end`: the response is
-    /// higher at an end of the frequencies; `incomplete`: a higher place is known than the peaks; `failed`: a peak is missing.
+    /// higher at an end of the frequencies; `incomplete`: a higher place is known than the peaks; `doubtful`: beside such a
+    /// value; `failed`: a peak is missing.
     pub status: &'static str,
     /// The place (Hz, m) that is higher than the peaks; null where none is.
     pub higher: Option<(f64, f64)>,
@@ -130,7 +131,7 @@ pub struct PeaksEffort {
 impl PeaksPoint {
     /// Whether the highest peak is known.
     pub fn sound(&self) -> bool {
-        !matches!(self.status, "incomplete" | "failed")
+        !matches!(self.status, "incomplete" | "doubtful" | "failed")
     }
 
     /// The highest peak, where it is known.
@@ -245,6 +246,7 @@ fn point(found: &PeakPoint, names: &Names) -> PeaksPoint {
         PeakStatus::Followed => ("followed", None),
         PeakStatus::HigherAtEnd(hertz, height) => ("higher at end", Some((hertz, height))),
         PeakStatus::Incomplete(hertz, height) => ("incomplete", Some((hertz, height))),
+        PeakStatus::Doubtful => ("doubtful", None),
         PeakStatus::Failed => ("failed", None),
     };
     let peak = |peak: &Peak| PeaksPeak {
