@@ -33,7 +33,7 @@ def test_a_study_is_the_sweeps_of_its_cases(study, tmp_path):
     table = study.run(threads=2).to_dataframe()
     assert len(study) == 24
     scene = stickslip.Scene(tmp_path / "scene.json")
-    row = table[(table["harmonics"] == 7) & (table["what"] == "highest")].iloc[0]
+    row = table[(table["harmonics"] == 7) & (table["peak"] == "highest")].iloc[0]
     amplitude, slip = row["/excitation/0/amplitude"], row["/contacts/0/law/slip_force"]
     one = scene.replace("/excitation/0/amplitude", amplitude).replace("/contacts/0/law/slip_force", slip)
     highest = one.sweep()
