@@ -133,3 +133,42 @@ fn modes_end_at_the_linear_ones() {
     let last = determinant(free.points.last().unwrap(), 0.0);
     assert!(last < 1e-7, "{last}");
 }
+
+/// One harmonic of a Jenkins element is a complex stiffness that its own amplitude determines (textbook describing function), so
+/// every point of a mode is an eigenvalue of the structure with it. That of scene R leads from 88 Hz, stuck, to 43 Hz, slipping,
+/// while the amplitude of w2 turns back and forth; from both sides it is the same curve.
+#[test]
+fn a_mode_goes_on_where_its_amplitude_turns_back() {
+    let mut problem = scene_r();
+    problem.output = vec![0, 1];
+    let law = problem.contacts[0].law.describing_function().unwrap();
+    let follow = |origin| {
+        let at = ModeOptions { origin, reference: 1, ..options((2e-7, 2e-3), 40) };
+        nonlinear_mode(&problem, &Settings::new(1), &at).unwrap()
+    };
+    // √ of the eigenvalues of M⁻¹C with and without the element's spring, over 2π.
+    const STUCK: f64 = 87.4487;
+    const FREE: f64 = 42.9849;
+    let modes = [follow(Origin::Stuck), follow(Origin::Free)];
+    for mode in &modes {
+        assert_eq!(mode.end, ModeEnd::Reached);
+        for point in &mode.points {
+            let a = point.solution.displacement[0][0].norm();
+            let spring = law.first_harmonic(a).force / a;
+            let omega = point.frequency * TAU;
+            let own = |k: Complex64, m: f64| {
+                let damping = 24.0 - 2.0 * point.damping_ratio * omega * m;
+                k + Complex64::new(-omega * omega * m, omega * damping)
+            };
+            let (first, second) = (own(8.2e5 + spring, 3.98), own(4.1e5.into(), 1.27));
+            let error = (first * second - 4.1e5 * 4.1e5).norm() / 4.1e5_f64.powi(2);
+            assert!(error < 1e-8, "{} Hz: {error:e}", point.frequency);
+        }
+        let (first, last) = (&mode.points[0], mode.points.last().unwrap());
+        let ends = (first.frequency, last.frequency);
+        assert!((ends.0 - STUCK).abs() < 0.05 && (ends.1 - FREE).abs() < 0.1, "{ends:?}");
+        // It turns back, and no step is a jump.
+        assert!(mode.points.windows(2).any(|pair| pair[1].amplitude < pair[0].amplitude));
+        assert!(mode.points.windows(2).all(|pair| (pair[1].frequency / pair[0].frequency).ln().abs() < 0.05));
+    }
+}

@@ -32,6 +32,15 @@ const FLOOR: f64 = 1e-9;
 /// Relative step of the differences in ω, and the step in ζ.
 const DIFFERENCE: f64 = 1e-6;
 
+/// What tells one motion of a mode from its neighbours, with W_1 of the reference dof real.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Pin {
+    /// W_1 of the reference dof in m.
+    Amplitude(f64),
+    /// ω in rad/s, where the amplitude turns back along the mode.
+    Frequency(f64),
+}
+
 /// The unknowns at one amplitude.
 #[derive(Debug, Clone)]
 pub(crate) struct State {
@@ -184,7 +193,7 @@ impl FreeMotion {
             self.ws.unknowns[entry] *= kept;
         }
         let start = State { motion: self.motion(), omega, zeta, residual: f64::INFINITY, steps: 0 };
-        self.solve(amplitude, start)
+        self.solve(Pin::Amplitude(amplitude), start)
     }
 
     /// û in m.
@@ -239,8 +248,13 @@ impl FreeMotion {
         Some(above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * DIFFERENCE)).collect())
     }
 
-    /// Newton's method at amplitude `amplitude`.
-    pub(crate) fn solve(&mut self, amplitude: f64, start: State) -> Option<State> {
+    /// Amplitude in m of the reference dof's first harmonic in `state`.
+    pub(crate) fn amplitude(&self, state: &State) -> f64 {
+        state.motion.get(self.pinned()).map_or(0.0, |w| w.re)
+    }
+
+    /// Newton's method at what `pin` holds.
+    pub(crate) fn solve(&mut self, pin: Pin, start: State) -> Option<State> {
         let mut state = start;
         let mut last = f64::INFINITY;
         for step in 0..STEPS {
@@ -248,15 +262,18 @@ impl FreeMotion {
             let by_zeta = self.slope(&state, false)?;
             state.residual = self.evaluate(&state)?;
             let pinned = self.pinned();
-            let off = state.motion[pinned] - amplitude;
-            let pinned_off = off.norm() / amplitude;
+            let w = state.motion[pinned];
+            let pinned_off = match pin {
+                Pin::Amplitude(amplitude) => (w - amplitude).norm() / amplitude,
+                Pin::Frequency(omega) => (state.omega / omega - 1.0).abs() + (w.im / w.re).abs(),
+            };
             if state.residual <= TOLERANCE && pinned_off <= TOLERANCE
                 || state.residual <= FLOOR && pinned_off <= FLOOR && last <= FLOOR
             {
                 state.steps = step;
                 return Some(state);
             }
-            let correction = self.correction(&by_omega, &by_zeta, amplitude, &state)?;
+            let correction = self.correction(&by_omega, &by_zeta, pin, &state)?;
             // A step that leaves the neighbourhood is cut: ω and ζ must stay what they are.
             let (d_omega, d_zeta) = correction.1;
             let cut = (0.2 / d_omega.abs()).min(0.5 / d_zeta.abs()).min(1.0);
@@ -280,7 +297,7 @@ impl FreeMotion {
         &mut self,
         by_omega: &[c64],
         by_zeta: &[c64],
-        amplitude: f64,
+        pin: Pin,
         state: &State,
     ) -> Option<(Vec<c64>, (f64, f64))> {
         let (slots, goal, pinned) = (self.slots(), self.ws.goal, self.pinned());
@@ -312,10 +329,14 @@ impl FreeMotion {
         }
         let length = point.length[self.reference];
         let (r, _) = balance.real_index(width, pinned / width, pinned % width);
-        let off = (state.motion[pinned] - amplitude) / length;
-        for (border, (row, value)) in [(r, off.re), (r + 1, off.im)].into_iter().enumerate() {
-            self.lu.matrix[(size + border, row)] = 1.0;
-            self.column[(size + border, 0)] = value;
+        let w = state.motion[pinned] / length;
+        let (column, off) = match pin {
+            Pin::Amplitude(amplitude) => (r, w.re - amplitude / length),
+            Pin::Frequency(omega) => (size, 1.0 - omega / state.omega),
+        };
+        for (border, (column, off)) in [(column, off), (r + 1, w.im)].into_iter().enumerate() {
+            self.lu.matrix[(size + border, column)] = 1.0;
+            self.column[(size + border, 0)] = off;
         }
         self.lu.factor(size + 2);
         self.lu.solve(self.column.as_mut().subrows_mut(0, size + 2));

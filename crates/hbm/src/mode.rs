@@ -22,7 +22,7 @@ use std::f64::consts::TAU;
 use faer::c64;
 
 use crate::error::PlanError;
-use crate::free_motion::{FreeMotion, State};
+use crate::free_motion::{FreeMotion, Pin, State};
 use crate::problem::{ExcitationKind, Problem};
 use crate::settings::Settings;
 use crate::solution::{Solution, Stats, Status};
@@ -83,6 +83,8 @@ pub enum ModeEnd {
     NoStart,
     /// The shortest step found no further point.
     Lost,
+    /// The amplitude turned back for good, to the end of the range where it had begun.
+    Returned,
     /// Stopped from outside.
     Stopped,
 }
@@ -90,7 +92,7 @@ pub enum ModeEnd {
 /// A nonlinear mode over its amplitude.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NonlinearMode {
-    /// By growing amplitude.
+    /// Along the mode, from small amplitudes to large ones; in between the amplitude may turn back.
     pub points: Vec<ModePoint>,
     /// How it ended.
     pub end: ModeEnd,
@@ -98,11 +100,23 @@ pub struct NonlinearMode {
     pub orders: Vec<usize>,
 }
 
-/// Shortest step in ln A.
+/// ln A, A in m, and the motion.
+type Place = (f64, State);
+
+/// Shortest step in ln A, or in ln ω.
 const SHORTEST: f64 = 1e-4;
 
-/// A point farther than this from where the last two point to, in ζ or relative in ω, may be of another branch: the amplitude of a
-/// dof can turn back along a mode, and beyond it Newton's method finds whatever has that amplitude.
+/// Steps in ln A that must be as much shorter than the last one are none: A turns back.
+const STALLED: f64 = 0.03;
+
+/// Longest step in ln ω.
+const LONGEST_TURN: f64 = 0.01;
+
+/// So many times the points wanted are followed at most.
+const MOST_POINTS: usize = 20;
+
+/// A point farther than this from where the last two point to, in ζ or relative in ω and A, may be of another branch: where the
+/// amplitude turns back along a mode, Newton's method finds whatever has a larger one.
 const ASIDE: f64 = 0.03;
 
 /// Amplitudes tried for a first point.
@@ -123,72 +137,122 @@ pub fn nonlinear_mode(
     let (low, high) = options.amplitudes;
     let range = (high / low).ln();
     let longest = range / (options.points.max(2) - 1) as f64;
-    let mut found: Vec<(f64, State)> = Vec::new();
     // The first amplitude at which Newton's method finds the mode from the linear one: that end of the range, if it can be.
-    for i in 0..STARTS {
+    let first = (0..STARTS).find_map(|i| {
         let part = i as f64 / (STARTS - 1) as f64;
         let at = match options.origin {
             Origin::Stuck => low.ln() + range * part,
             Origin::Free => high.ln() - range * part,
         };
-        if let Some(state) = motion.begin(at.exp()) {
-            found.push((at, state));
-            break;
-        }
-    }
-    let Some(first) = found.first().cloned() else {
+        Some((at, motion.begin(at.exp())?))
+    });
+    let Some(first) = first else {
         return Ok(NonlinearMode { points: Vec::new(), end: ModeEnd::NoStart, orders });
     };
-    let mut end = ModeEnd::Reached;
-    for way in [high.ln(), low.ln()] {
-        let ended = follow(&mut motion, &first, way, longest, options.progress, &mut found);
+    let ends = (low.ln(), high.ln());
+    let (mut end, upwards) = follow(&mut motion, &first, ends, longest, options.progress);
+    let mut places: Vec<Place> = Vec::new();
+    if end != ModeEnd::Stopped {
+        let (ended, downwards) = follow(&mut motion, &first, (ends.1, ends.0), longest, options.progress);
         end = if end == ModeEnd::Reached { ended } else { end };
-        if end == ModeEnd::Stopped {
-            break;
-        }
+        places.extend(downwards.into_iter().rev());
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let points = found.iter().map(|(at, state)| point(problem, &mut motion, at.exp(), state)).collect();
+    places.push(first);
+    places.extend(upwards);
+    let points = places.iter().map(|(at, state)| point(problem, &mut motion, at.exp(), state)).collect();
     Ok(NonlinearMode { points, end, orders })
 }
 
-/// Follows the mode from `first` to amplitude e^`to`.
+/// Follows the mode from `first` until its amplitude is e^`to`, or again the other end of the range, e^`from`; returns the places on
+/// the way. The step is one of ln A; where ln ω changes faster than ln A it is one of ln ω, so that the amplitude may turn back.
 fn follow(
     motion: &mut FreeMotion,
-    first: &(f64, State),
-    to: f64,
+    first: &Place,
+    (from, to): (f64, f64),
     longest: f64,
     progress: &dyn Fn(f64) -> bool,
-    found: &mut Vec<(f64, State)>,
-) -> ModeEnd {
+) -> (ModeEnd, Vec<Place>) {
+    let mut found: Vec<Place> = Vec::new();
     let mut here = first.clone();
-    let mut before: Option<(f64, State)> = None;
+    let mut before: Option<Place> = None;
     let mut step = 0.25 * longest;
+    let most = MOST_POINTS * (1 + ((to - from).abs() / longest) as usize);
+    let (low, high) = (from.min(to), from.max(to));
+    // The next place lies beyond an end of the range: that end itself comes first.
+    let mut at_an_end = false;
+    let mut turning = false;
     while here.0 != to {
-        if !progress(here.0.exp()) {
-            return ModeEnd::Stopped;
+        if found.len() > most {
+            return (ModeEnd::Lost, found);
         }
-        let apart = to - here.0;
-        let next = if apart.abs() <= 1.001 * step { to } else { here.0 + step * apart.signum() };
-        let guess = guess(&here, before.as_ref(), next);
-        let aside = |state: &State| {
-            let frequency = (state.omega / guess.omega - 1.0).abs();
-            frequency.max((state.zeta - guess.zeta).abs()) > ASIDE
+        if !progress(here.0.exp()) {
+            return (ModeEnd::Stopped, found);
+        }
+        let moved = before.as_ref().map(|before| {
+            let turned = (here.1.omega / before.1.omega).ln();
+            (here.0 - before.0, turned)
+        });
+        let (pin, part) = match moved {
+            Some((_, turned)) if turning && !at_an_end => {
+                let change = step.min(LONGEST_TURN) * turned.signum();
+                (Pin::Frequency(here.1.omega * change.exp()), change / turned)
+            }
+            _ => {
+                let up = moved.map_or(to > here.0, |(grown, _)| grown > 0.0);
+                let end = if up { high } else { low };
+                let apart = end - here.0;
+                let next = if apart.abs() <= 1.001 * step { end } else { here.0 + step * apart.signum() };
+                (
+                    Pin::Amplitude(next.exp()),
+                    moved.map_or(next - here.0, |(grown, _)| (next - here.0) / grown),
+                )
+            }
         };
-        match motion.solve(next.exp(), guess.clone()).filter(|state| !aside(state)) {
-            Some(state) => {
-                let steps = state.steps;
-                found.push((next, state.clone()));
-                before = Some(std::mem::replace(&mut here, (next, state)));
+        let (expected, guess) = guess(&here, before.as_ref(), part);
+        let place = |state: State, motion: &FreeMotion| -> Option<Place> {
+            let amplitude = match pin {
+                Pin::Amplitude(amplitude) => amplitude,
+                Pin::Frequency(_) => motion.amplitude(&state),
+            };
+            let grown = (amplitude.ln() - expected).abs();
+            let turned = (state.omega / guess.omega - 1.0).abs();
+            let aside = grown.max(turned).max((state.zeta - guess.zeta).abs());
+            (aside <= ASIDE).then(|| (end_or(amplitude.ln(), low, high), state))
+        };
+        let next = motion.solve(pin, guess.clone()).and_then(|state| place(state, motion));
+        match next {
+            Some(next) if next.0 < low || next.0 > high => at_an_end = true,
+            Some(next) => {
+                at_an_end = false;
+                let steps = next.1.steps;
+                found.push(next.clone());
+                let last = std::mem::replace(&mut here, next);
+                let (grown, turned) = ((here.0 - last.0).abs(), (here.1.omega / last.1.omega).ln().abs());
+                before = Some(last);
+                // What is stepped in next changed by so much.
+                turning = grown < turned;
+                step = if turning { turned } else { grown };
                 step = (step * if steps <= 5 { 1.5 } else { 0.8 }).min(longest);
+                if here.0 == from && here.0 != to {
+                    return (ModeEnd::Returned, found);
+                }
             }
             None => step *= 0.3,
         }
+        if let Some((grown, turned)) = moved.filter(|(grown, _)| !turning && step < STALLED * grown.abs()) {
+            // The amplitude turns back right here.
+            (turning, step) = (true, 0.3 * grown.abs().min(turned.abs()));
+        }
         if step < SHORTEST {
-            return ModeEnd::Lost;
+            return (ModeEnd::Lost, found);
         }
     }
-    ModeEnd::Reached
+    (ModeEnd::Reached, found)
+}
+
+/// `at`, or the end of the range that it is but for rounding.
+fn end_or(at: f64, low: f64, high: f64) -> f64 {
+    [low, high].into_iter().find(|end| (at - end).abs() < 1e-14 * (1.0 + end.abs())).unwrap_or(at)
 }
 
 /// A state as a user sees it.
@@ -252,24 +316,24 @@ fn generalised_force(problem: &Problem, omega: f64, first: &[c64]) -> c64 {
         .sum()
 }
 
-/// The state at `next` by the secant through the last two, or scaled from the last.
-fn guess(here: &(f64, State), before: Option<&(f64, State)>, next: f64) -> State {
+/// ln A and the state `part` times the last step farther by the secant through the last two places; from the first place on the
+/// motion scaled, by `part` of ln A.
+fn guess(here: &Place, before: Option<&Place>, part: f64) -> (f64, State) {
     let mut state = here.1.clone();
-    let grown = (next - here.0).exp();
     let Some(before) = before else {
         for u in &mut state.motion {
-            *u *= grown;
+            *u *= part.exp();
         }
-        return state;
+        return (here.0 + part, state);
     };
-    // Shapes w/A, ω and ζ go on as they went from the last amplitude to this one.
-    let ratio = (next - here.0) / (here.0 - before.0);
+    // Shapes w/A, ω and ζ go on as they went from the last place to this one.
+    let next = here.0 + (here.0 - before.0) * part;
     let (now, then) = (here.0.exp(), before.0.exp());
     for (u, old) in state.motion.iter_mut().zip(&before.1.motion) {
         let shape = *u / now;
-        *u = (shape + (shape - old / then) * ratio) * next.exp();
+        *u = (shape + (shape - old / then) * part) * next.exp();
     }
-    state.omega += (here.1.omega - before.1.omega) * ratio;
-    state.zeta += (here.1.zeta - before.1.zeta) * ratio;
-    state
+    state.omega *= (here.1.omega / before.1.omega).powf(part);
+    state.zeta += (here.1.zeta - before.1.zeta) * part;
+    (next, state)
 }

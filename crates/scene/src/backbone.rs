@@ -49,7 +49,7 @@ pub struct BackboneOutcome {
     pub notes: Vec<String>,
     /// The resonance at the scene's own excitation, interpolated between points.
     pub expected: Option<Expected>,
-    /// By growing amplitude.
+    /// Along the mode, from small amplitudes to large ones; in between the amplitude may turn back.
     pub points: Vec<BackbonePoint>,
     /// Time in s.
     pub solve_s: f64,
@@ -105,6 +105,10 @@ fn words(end: ModeEnd) -> (&'static str, &'static str) {
         ModeEnd::Lost => (
             "lost",
             "the shortest step found no further amplitude; this dof may not move in the mode there (--dof names another)",
+        ),
+        ModeEnd::Returned => (
+            "returned",
+            "the amplitude of this dof turned back for good; another dof may tell more of the mode (--dof)",
         ),
         ModeEnd::Stopped => ("stopped", "stopped; the points so far are kept"),
     }
