@@ -167,8 +167,10 @@ fn a_mode_goes_on_where_its_amplitude_turns_back() {
         let (first, last) = (&mode.points[0], mode.points.last().unwrap());
         let ends = (first.frequency, last.frequency);
         assert!((ends.0 - STUCK).abs() < 0.05 && (ends.1 - FREE).abs() < 0.1, "{ends:?}");
-        // It turns back, and no step is a jump.
+        // It turns back, and no step is a jump: one in ln ω is as long as one in ln A may be at most.
         assert!(mode.points.windows(2).any(|pair| pair[1].amplitude < pair[0].amplitude));
-        assert!(mode.points.windows(2).all(|pair| (pair[1].frequency / pair[0].frequency).ln().abs() < 0.05));
+        let longest = 1e4_f64.ln() / 39.0;
+        let turns = mode.points.windows(2).map(|pair| (pair[1].frequency / pair[0].frequency).ln().abs());
+        assert!(turns.fold(0.0, f64::max) < longest);
     }
 }
