@@ -160,11 +160,16 @@ fn an_interrupted_sweep_keeps_what_is_finished() {
         if finished == 50 {
             cancel.store(true, Ordering::Relaxed);
         }
+        // The other thread must not run ahead of a first one that the machine stopped between the two lines above.
+        while finished > 50 && !cancel.load(Ordering::Relaxed) {
+            std::thread::yield_now();
+        }
     };
     let options = SweepOptions { threads: Some(2), cancel: Some(&cancel), progress: Some(&progress) };
     let partial = sweep(&plan, &frequencies, &options);
     assert!(partial.interrupted);
-    assert!(partial.solutions.len() >= 50 && partial.solutions.len() < 60);
+    // Fifty, and the one point that the other thread may have had in hand.
+    assert!((50..=51).contains(&partial.solutions.len()), "{}", partial.solutions.len());
     assert_eq!(most.into_inner(), partial.solutions.len());
     for solution in &partial.solutions {
         assert_eq!(*solution, plan.solve(solution.frequency, &mut plan.workspace()));
