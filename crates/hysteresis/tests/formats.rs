@@ -1,5 +1,6 @@
 //! Records in the files of NumPy, MATLAB and modal test systems, as NumPy, SciPy and pyuff write them
 //! (`tests/reference/formats.py`): each holds the same motion.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::f64::consts::PI;
 use std::path::PathBuf;
@@ -172,7 +173,7 @@ fn numbers_of_fortran_are_read() {
         "8.00000000000000D+00-7.5000000000000D+00",
     );
     let record = Record::from_bytes(&written, &options("", "")).unwrap();
-    assert_eq!(&record.displacement[..2], [8e-6, -7.5e-6]);
+    assert_eq!(&record.displacement[..2], [8.0 * 1e-6, -7.5 * 1e-6]);
     let written = changed("even_double.uff", "   8.00000000000e+00", "  8.00000000000-100");
     let record = Record::from_bytes(&written, &options("", "")).unwrap();
     assert_eq!(record.displacement[0], 8e-100 * 1e-6);
