@@ -7,7 +7,7 @@ use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{iwan, loop_family, python, reference_loop};
+use crate::{iwan, loop_family, python, reference_loop, report_page};
 
 /// Commands of cargo before the tests, with their environment.
 const CHECKS: [(&str, Option<(&str, &str)>); 4] = [
@@ -36,6 +36,9 @@ const INSTRUCTIONS: &str = "run --release -p xtask -- instructions";
 pub(crate) fn run(root: &Path) -> Result<()> {
     let start = Instant::now();
     says_so(root)?;
+    // Before anything is built: the page is part of the program.
+    step("cargo xtask report-page");
+    report_page::bundle(root, false)?;
     step("cargo xtask reference-loop --check");
     reference_loop::check(root)?;
     step("cargo xtask iwan --check");
@@ -47,6 +50,8 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     }
     cargo(root, TESTS, None, Stdio::inherit())?;
     example(root)?;
+    step("cargo xtask report-page --test");
+    report_page::test(root)?;
     cargo(root, FIGURES, None, Stdio::inherit())?;
     cargo(root, ERRORS, None, Stdio::inherit())?;
     cargo(root, EXTREME, None, Stdio::inherit())?;

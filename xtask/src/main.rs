@@ -21,6 +21,7 @@ mod python;
 mod reconstruct;
 mod record_family;
 mod reference_loop;
+mod report_page;
 mod scaling;
 mod synthetic_loop;
 mod truths;
@@ -60,6 +61,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   python                   builds the wheel of the Python package and tests it in an environment of its own (needs Python 3.10
                            or later and a package index)
   reference-loop           writes scenes/loops/reference.csv
+  report-page              bundles the page of `stickslip report` (needs Node.js 20 or later and a package registry)
+  report-page --test       and tests it in Chromium
   … --check                fails unless what one of reference-loop, iwan and loop-family writes and prints is in the repository";
 
 fn main() -> ExitCode {
@@ -100,6 +103,8 @@ fn run() -> Result<()> {
         ["figures", "--check"] => figures::check(&root()),
         ["reconstruct"] => reconstruct::write(&root()),
         ["reconstruct", "--check"] => reconstruct::check(&root()),
+        ["report-page"] => report_page::bundle(&root(), true).map(|_| ()),
+        ["report-page", "--test"] => report_page::test(&root()),
         ["scaling"] => scaling::run(&root()),
         ["scaling", "--draw"] => scaling::draw(&root()),
         ["reference-loop"] => reference_loop::write(&root()),
