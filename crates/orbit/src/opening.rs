@@ -95,6 +95,7 @@ impl Flow<'_> {
             }),
             turning: self.turnings.get(index).and_then(Option::as_ref),
             turned: self.turned.get(index).copied().flatten(),
+            met: self.met.get(index).copied().unwrap_or(false),
         })
     }
 

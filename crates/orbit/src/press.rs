@@ -49,6 +49,8 @@ pub(crate) struct Course<'a> {
     pub(crate) turning: Option<&'a Turning<f64>>,
     /// σ μN − f has the rate zero at s = 0 by definition, for this σ: slip along σ has just ended there.
     pub(crate) turned: Option<[f64; 2]>,
+    /// N is zero at s = 0 by definition: the bodies have just met there.
+    pub(crate) met: bool,
 }
 
 impl Course<'_> {
@@ -96,7 +98,7 @@ impl Course<'_> {
             }
             room.iter_mut().zip(square(&pull)).for_each(|(room, square)| *room -= square);
         }
-        if self.turned.is_some() {
+        if self.turned.is_some() || self.met {
             room.iter_mut().take(2).for_each(|c| *c = 0.0);
         }
         let rate = stripped(derivative(&room));
