@@ -5,9 +5,10 @@ use faer::c64;
 use num_complex::Complex64;
 
 use crate::dense::Entry;
-use crate::plan::{Plan, Workspace};
+use crate::plan::Plan;
 use crate::rows::joint_rows;
 use crate::solution::{ContactSolution, DirectionSolution, JointSolution, Solution, Status};
+use crate::workspace::Workspace;
 
 impl Plan {
     /// Writes the solution that the workspace holds.

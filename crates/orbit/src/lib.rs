@@ -18,6 +18,7 @@ mod flow;
 mod joints;
 mod links;
 mod monodromy;
+mod number;
 mod opening;
 mod orbit;
 mod path;
@@ -32,6 +33,7 @@ mod smooth;
 mod spectrum;
 mod system;
 mod tangents;
+mod turning;
 #[cfg(test)]
 mod verification;
 
