@@ -7,7 +7,7 @@ use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{iwan, loop_family, python, reference_loop};
+use crate::{deny, dist, iwan, loop_family, msrv, package, python, reference_loop};
 
 /// Commands of cargo before the tests, with their environment.
 const CHECKS: [(&str, Option<(&str, &str)>); 4] = [
@@ -36,6 +36,10 @@ const INSTRUCTIONS: &str = "run --release -p xtask -- instructions";
 pub(crate) fn run(root: &Path) -> Result<()> {
     let start = Instant::now();
     says_so(root)?;
+    step("cargo xtask package");
+    package::run(root, &[])?;
+    step("cargo xtask deny");
+    deny::run(root)?;
     step("cargo xtask reference-loop --check");
     reference_loop::check(root)?;
     step("cargo xtask iwan --check");
@@ -45,8 +49,12 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     for (arguments, variable) in CHECKS {
         cargo(root, arguments, variable, Stdio::inherit())?;
     }
+    step("cargo xtask msrv");
+    msrv::run(root)?;
     cargo(root, TESTS, None, Stdio::inherit())?;
     example(root)?;
+    step("cargo xtask dist --quick");
+    dist::run(root, &["--quick"])?;
     cargo(root, FIGURES, None, Stdio::inherit())?;
     cargo(root, ERRORS, None, Stdio::inherit())?;
     cargo(root, EXTREME, None, Stdio::inherit())?;
