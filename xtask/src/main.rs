@@ -1,6 +1,7 @@
 //! The workshop of stickslip: `cargo xtask COMMAND`.
 
 mod ci;
+mod equations;
 mod error_vs_runtime;
 mod estimates;
 mod extreme;
@@ -34,6 +35,8 @@ use anyhow::{Result, bail};
 const USAGE: &str = "usage: cargo xtask COMMAND
 
   ci                       every check of a change: format, lints, documentation, tests, figures, the README's commands
+  doc                      the documentation of all crates with drawn equations, in target/doc
+  equations                draws the equations of the book; `mdbook build docs` calls it
   figures                  writes docs/figures and docs/src/reproduction.md: the paper's figures and numbers
   figures --check          fails when a stated number leaves its tolerance or a committed figure shows other data
   reconstruct              searches the parameters of the paper's Fig. 4 and writes scenes/hoffmann-2017*.json
@@ -77,6 +80,11 @@ fn run() -> Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["ci"] => ci::run(&root()),
+        ["doc"] => equations::document(&root()),
+        ["equations"] => equations::preprocess(),
+        // mdBook asks which renderers are supported; MathML is for browsers.
+        ["equations", "supports", "html"] => Ok(()),
+        ["equations", "supports", renderer] => bail!("equations are drawn for html, not for {renderer}"),
         ["error-vs-runtime"] => error_vs_runtime::run(&root()),
         ["error-vs-runtime", "--draw"] => error_vs_runtime::draw(&root()),
         ["error-vs-runtime", "--quick"] => error_vs_runtime::quick(&root()),
