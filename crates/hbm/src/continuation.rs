@@ -17,10 +17,11 @@ use crate::course::{Course, EntryCourse, FrequencyCourse, HOMOTOPY_START, Homoto
 use crate::dense::Lu;
 use crate::error::PlanError;
 use crate::newton::FLOOR;
-use crate::plan::{Plan, Workspace};
+use crate::plan::Plan;
 use crate::problem::Problem;
 use crate::settings::Settings;
 use crate::solution::{Solution, Status};
+use crate::workspace::Workspace;
 
 /// How a curve is followed.
 #[derive(Clone, Copy)]

@@ -7,7 +7,8 @@
 use contact::{Coupling, JointChange, JointMarks, JointMotion, JointWorkspace, LawError, Motion};
 use faer::{Mat, c64};
 
-use crate::balance::{Balance, BalanceBuffers, Block, Homotopy, LADDER_STEP};
+use crate::balance::{Balance, BalanceBuffers, Homotopy, LADDER_STEP};
+use crate::jacobian::Block;
 use crate::pieces::PieceSeries;
 use crate::point::Point;
 use crate::problem::Joint;

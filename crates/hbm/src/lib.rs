@@ -30,10 +30,14 @@ mod dense;
 mod detour;
 mod error;
 mod estimate;
+mod facts;
+mod fallback;
 mod free_motion;
+mod ground_paths;
 mod harmonics;
 mod hill;
 mod holding;
+mod jacobian;
 mod joint_events;
 mod joint_force;
 mod krylov;
@@ -50,9 +54,11 @@ mod peak_search;
 mod peak_survey;
 mod pieces;
 mod plan;
+mod plan_check;
 mod point;
 mod problem;
 mod report;
+mod responses;
 mod rows;
 mod scalar;
 mod settings;
@@ -60,21 +66,24 @@ mod solution;
 mod solve;
 mod sparse;
 mod stability;
+mod start;
 mod sweep;
 mod transform;
 #[cfg(test)]
 mod verification;
 mod waveform;
+mod workspace;
 
 pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, entry_curve, frequency_curve};
 pub use error::PlanError;
+pub use facts::{PlanFacts, Receptances};
 pub use hill::{Hill, HillError, Multipliers, PeriodicSpring};
 pub use mode::{ModeEnd, ModeOptions, ModePoint, NonlinearMode, Origin, nonlinear_mode};
 pub use peak::{
     Optimum, OptimumKind, Peak, PeakCurve, PeakEffort, PeakEnd, PeakOptions, PeakPoint, PeakStatus,
     follow_peaks,
 };
-pub use plan::{Plan, PlanFacts, Receptances, Workspace};
+pub use plan::Plan;
 pub use problem::{Contact, Direction, Excitation, ExcitationKind, Joint, Problem};
 pub use settings::{Jacobian, LinearSolver, Settings, Start};
 pub use solution::{
@@ -84,3 +93,4 @@ pub use solution::{
 pub use stability::{NoStability, Stability, StabilityMethod, Verdict};
 pub use structure::{Damping, Model, ModelError, SparseDamping, SparseModel};
 pub use sweep::{Sweep, SweepOptions, sweep};
+pub use workspace::Workspace;

@@ -25,6 +25,7 @@ mod flow;
 mod joints;
 mod links;
 mod monodromy;
+mod number;
 mod opening;
 mod orbit;
 mod path;
@@ -39,6 +40,7 @@ mod smooth;
 mod spectrum;
 mod system;
 mod tangents;
+mod turning;
 #[cfg(test)]
 mod verification;
 

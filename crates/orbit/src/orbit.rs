@@ -155,13 +155,13 @@ impl Orbit {
             entries.map(|(x, root)| x * unit / root).collect()
         };
         let forces = self.state.iter().skip(2 * n).zip(&self.system.sliders);
-        let pulls = self.state.iter().skip(2 * n + self.system.sliders.len()).zip(self.system.frictions());
+        let pulls = self.state.iter().skip(2 * n + self.system.sliders.len()).zip(self.system.pulls());
         State {
             displacement: scaled(0, self.system.size),
             velocity: scaled(n, self.system.size * self.system.omega),
             sliders: forces
                 .map(|(force, slider)| force * slider.limit * self.system.force())
-                .chain(pulls.map(|(pull, (_, _, friction))| pull * friction.stiffness * self.system.force()))
+                .chain(pulls.map(|(pull, (friction, _))| pull * friction.stiffness * self.system.force()))
                 .collect(),
         }
     }
