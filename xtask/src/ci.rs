@@ -7,14 +7,13 @@ use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{deny, dist, iwan, loop_family, msrv, package, python, reference_loop, report_page};
+use crate::{deny, dist, equations, iwan, loop_family, msrv, package, python, reference_loop, report_page};
 
-/// Commands of cargo before the tests, with their environment.
-const CHECKS: [(&str, Option<(&str, &str)>); 4] = [
-    ("fmt --all -- --check", None),
-    ("clippy --workspace --all-targets -- -D warnings", None),
-    ("check -p stickslip --no-default-features", None),
-    ("doc --workspace --no-deps", Some(("RUSTDOCFLAGS", "-Dwarnings"))),
+/// Commands of cargo before documentation and tests.
+const CHECKS: [&str; 3] = [
+    "fmt --all -- --check",
+    "clippy --workspace --all-targets -- -D warnings",
+    "check -p stickslip --no-default-features",
 ];
 
 /// The README's commands.
@@ -43,16 +42,17 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     steps.take("cargo xtask reference-loop --check", || reference_loop::check(root))?;
     steps.take("cargo xtask iwan --check", || iwan::check(root))?;
     steps.take("cargo xtask loop-family --check", || loop_family::check(root))?;
-    for (arguments, variable) in CHECKS {
-        steps.cargo(root, arguments, variable, Stdio::inherit())?;
+    for arguments in CHECKS {
+        steps.cargo(root, arguments, Stdio::inherit())?;
     }
+    steps.take("cargo xtask doc", || equations::document(root))?;
     steps.take("cargo xtask msrv", || msrv::run(root))?;
-    steps.cargo(root, TESTS, None, Stdio::inherit())?;
+    steps.cargo(root, TESTS, Stdio::inherit())?;
     example(root, &mut steps)?;
     steps.take("cargo xtask report-page --test", || report_page::test(root))?;
     steps.take("cargo xtask dist --quick", || dist::run(root, &["--quick"]))?;
     for arguments in [FIGURES, ERRORS, EXTREME, INSTRUCTIONS] {
-        steps.cargo(root, arguments, None, Stdio::inherit())?;
+        steps.cargo(root, arguments, Stdio::inherit())?;
     }
     steps.take("cargo xtask python", || python::run(root, false))?;
     steps.tell();
@@ -72,7 +72,7 @@ fn says_so(root: &Path) -> Result<()> {
 fn example(root: &Path, steps: &mut Steps) -> Result<()> {
     let result = root.join("target").join("ci-example.out");
     let file = fs::File::create(&result).with_context(|| result.display().to_string())?;
-    steps.cargo(root, EXAMPLE, None, file.into())?;
+    steps.cargo(root, EXAMPLE, file.into())?;
     let size = fs::metadata(&result)?.len();
     ensure!(size > 0, "`cargo {EXAMPLE}` printed nothing");
     Ok(())
@@ -93,19 +93,12 @@ impl Steps {
         Ok(())
     }
 
-    fn cargo(
-        &mut self,
-        root: &Path,
-        arguments: &str,
-        variable: Option<(&str, &str)>,
-        output: Stdio,
-    ) -> Result<()> {
-        let set = variable.map_or(String::new(), |(name, value)| format!("{name}={value} "));
-        let shown = format!("{set}cargo {arguments}");
+    fn cargo(&mut self, root: &Path, arguments: &str, output: Stdio) -> Result<()> {
+        let shown = format!("cargo {arguments}");
         self.take(&shown, || {
             let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
             let mut command = Command::new(program);
-            command.current_dir(root).args(arguments.split(' ')).stdout(output).envs(variable);
+            command.current_dir(root).args(arguments.split(' ')).stdout(output);
             let status = command.status().with_context(|| shown.clone())?;
             ensure!(status.success(), "`{shown}` failed");
             Ok(())

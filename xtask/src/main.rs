@@ -3,6 +3,7 @@
 mod ci;
 mod deny;
 mod dist;
+mod equations;
 mod error_vs_runtime;
 mod estimates;
 mod extreme;
@@ -43,6 +44,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   deny                     licences, sources and advisories of all dependencies with cargo-deny; says so where that is missing
   dist                     what a release consists of, in target/dist: program, manual pages, completions, wheel, licences, sums
                            (--without-wheel without Python, --quick around the release build)
+  doc                      the documentation of all crates with drawn equations, in target/doc
+  equations                draws the equations of the book; `mdbook build docs` calls it
   figures                  writes docs/figures and docs/src/reproduction.md: the paper's figures and numbers
   figures --check          fails when a stated number leaves its tolerance or a committed figure shows other data
   reconstruct              searches the parameters of the paper's Fig. 4 and writes scenes/hoffmann-2017*.json
@@ -92,6 +95,11 @@ fn run() -> Result<()> {
         ["ci"] => ci::run(&root()),
         ["deny"] => deny::run(&root()),
         ["dist", words @ ..] => dist::run(&root(), words),
+        ["doc"] => equations::document(&root()),
+        ["equations"] => equations::preprocess(),
+        // mdBook asks which renderers are supported; MathML is for browsers.
+        ["equations", "supports", "html"] => Ok(()),
+        ["equations", "supports", renderer] => bail!("equations are drawn for html, not for {renderer}"),
         ["error-vs-runtime"] => error_vs_runtime::run(&root()),
         ["error-vs-runtime", "--draw"] => error_vs_runtime::draw(&root()),
         ["error-vs-runtime", "--quick"] => error_vs_runtime::quick(&root()),

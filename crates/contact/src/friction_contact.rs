@@ -31,6 +31,11 @@ pub struct FrictionContactParameters {
 
 /// Spring k_t in series with a Coulomb slider of limit μN, and a unilateral spring k_n in the normal direction.
 ///
+/// ```math
+/// N = \begin{cases} \max(N_0 + k_n n,\ 0) & \text{with a preload} \\ \max(k_n (n - g),\ 0) & \text{with a gap} \end{cases}
+/// \qquad f = k_t (w - s), \qquad |f| \le \mu N
+/// ```
+///
 /// The tangential force is f = k_t (w − s) with the slider s in the interval (two directions: the disc) of radius μN/k_t around
 /// w; it moves only when its edge pushes it, in the direction of f. Apart there is no force and the slider follows. Of the
 /// periodic states of a contact that never slips, the one is taken whose slider is nearest to the mean displacement; where it

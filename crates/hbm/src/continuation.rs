@@ -132,7 +132,11 @@ pub(crate) struct Place {
 
 /// The response of `problem` as a curve from one frequency in Hz to another, with N harmonics solved by Newton's method
 /// throughout (no tail, no estimates). No resonance of the linear structure, with contacts sticking or without any, is
-/// stepped over.
+/// stepped over. A point (u, λ) of a curve follows from the guess along the last tangent t by pseudo-arclength,
+///
+/// ```math
+/// r(u, \lambda) = 0, \qquad \langle t, (u, \lambda) - \text{guess} \rangle = 0 .
+/// ```
 ///
 /// # Errors
 /// As [`Plan::new`].
