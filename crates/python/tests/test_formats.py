@@ -125,7 +125,7 @@ def test_tables_of_every_command(tmp_path):
     scene = SCENES / "elastic-coulomb.json"
     commands = {
         "study": ["study", "study.json"],
-        "backbone": ["backbone", scene, "--points", "5", "--harmonics", "3"],
+        "backbone": ["backbone", scene, "--points", "12", "--harmonics", "1"],
         "continue": ["continue", SCENES / "cubic.json", "--harmonics", "1", "--from", "35", "--to", "50"],
     }
     for name, command in commands.items():
