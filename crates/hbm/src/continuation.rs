@@ -19,6 +19,7 @@ use crate::error::PlanError;
 use crate::newton::FLOOR;
 use crate::plan::Plan;
 use crate::problem::Problem;
+use crate::prominence::keep_prominent;
 use crate::settings::Settings;
 use crate::solution::{Solution, Status};
 use crate::workspace::Workspace;
@@ -241,6 +242,7 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
         (place, here) = (next, ahead);
     };
     curve.points.sort_by(|a, b| a.arclength.total_cmp(&b.arclength));
+    keep_prominent(&mut curve.points, course.plan());
     curve
 }
 

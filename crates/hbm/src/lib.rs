@@ -57,6 +57,7 @@ mod plan;
 mod plan_check;
 mod point;
 mod problem;
+mod prominence;
 mod report;
 mod responses;
 mod rows;

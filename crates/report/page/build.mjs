@@ -39,5 +39,7 @@ for (const mark of ["%STICKSLIP_TITLE%", "%STICKSLIP_DATA%"]) {
   if (page.split(mark).length !== 2) throw new Error(`${mark} must stand in the page once`);
 }
 await mkdir("dist", { recursive: true });
-await writeFile("dist/page.html", page);
+// A file that is the same keeps its date, and what embeds it is not built again.
+const before = await readFile("dist/page.html", "utf8").catch(() => "");
+if (before !== page) await writeFile("dist/page.html", page);
 console.log(`dist/page.html: ${Math.round(page.length / 1024)} KiB with ${[...packages].sort().join(", ")}`);

@@ -2,7 +2,7 @@
 
 use scene::{Frequencies, Harmonics, Prepared, RecordedPoint, Scene};
 
-use crate::data::{Page, Shown};
+use crate::data::{Page, Points, Shown};
 use crate::document;
 use crate::error::ReportError;
 use crate::motion::{self, Check, Periods};
@@ -40,6 +40,8 @@ impl Report {
             });
         }
         let points = summary::points(&recorded);
+        let peaks = summary::peak_lines(&recorded, &points);
+        let motions = motion::by_series(&recorded, &marked(&recorded, &points));
         self.shown.push(Shown {
             label: label.to_owned(),
             scene: recorded.scene.clone(),
@@ -53,10 +55,10 @@ impl Report {
             harmonic: recorded.fundamental(),
             facts: summary::facts(&recorded),
             notes: recorded.notes.clone(),
-            peaks: summary::peak_lines(&recorded, &points),
+            peaks,
             points,
             contacts: summary::contacts(&recorded),
-            motions: motion::by_series(&recorded, &marked(&recorded)),
+            motions,
             plan: None,
             scene_text: None,
         });
@@ -101,9 +103,16 @@ impl Report {
     }
 }
 
-/// Points that are worth a period whatever is left out.
-fn marked(recorded: &Recorded) -> impl Fn(usize) -> bool {
-    |index| recorded.points.get(index).is_some_and(|point| point.fold || !point.peaks.is_empty())
+/// Points that are worth a period whatever is left out: folds, peaks, and the highest point of every dof.
+fn marked(recorded: &Recorded, points: &Points) -> impl Fn(usize) -> bool {
+    let highest = points.amplitude.iter().filter_map(|row| {
+        let known = row.iter().enumerate().filter_map(|(index, amplitude)| Some((index, (*amplitude)?)));
+        known.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map(|(index, _)| index)
+    });
+    let named = |point: &RecordedLine| point.fold || !point.peaks.is_empty();
+    let named = recorded.points.iter().enumerate().filter(|(_, point)| named(point)).map(|(index, _)| index);
+    let marked: Vec<usize> = highest.chain(named).collect();
+    move |index| marked.contains(&index)
 }
 
 fn explain(source: &Source, recorded: &Recorded, shown: &mut Shown) -> Result<(), ReportError> {
@@ -114,7 +123,7 @@ fn explain(source: &Source, recorded: &Recorded, shown: &mut Shown) -> Result<()
     let along_entry = recorded.along() != "frequency";
 
     let mut periods = Periods::new(recorded, instants(recorded, &prepared), "law");
-    let chosen = periods.choose(recorded, &marked(recorded));
+    let chosen = periods.choose(recorded, &marked(recorded, &shown.points));
     let compared = motion::compared(&chosen);
     for index in chosen {
         let Some((line, point)) = recorded.points.get(index).and_then(|line| Some((line, line.motion()?)))

@@ -127,18 +127,45 @@ function frame(chosen: Colours): Option {
     animation: false,
     backgroundColor: "transparent",
     textStyle: { color: chosen.ink, fontFamily: "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif" },
-    grid: { left: 12, right: 24, top: 44, bottom: 40, containLabel: true },
-    legend: {
-      type: "scroll",
-      top: 4,
-      textStyle: { color: chosen.ink },
-      pageTextStyle: { color: chosen.ink },
-      pageIconColor: chosen.accent,
-      pageIconInactiveColor: chosen.line,
-      inactiveColor: chosen.muted,
-      itemWidth: 34,
-    },
+    grid: { left: 12, right: 24, top: 44, bottom: 12, outerBoundsMode: "same", outerBoundsContain: "all" },
+    legend: legend(chosen),
   };
+}
+
+/** Names of lines and marks; `entries` where they are not all series in their order. */
+export function legend(chosen: Colours, more: Option = {}): Option {
+  return {
+    type: "scroll",
+    top: 4,
+    textStyle: { color: chosen.ink },
+    pageTextStyle: { color: chosen.ink },
+    pageIconColor: chosen.accent,
+    pageIconInactiveColor: chosen.line,
+    inactiveColor: chosen.muted,
+    itemWidth: 34,
+    // Lines show how they are dashed, without the mark on them.
+    itemStyle: { opacity: 0 },
+    ...more,
+  };
+}
+
+/** A mark's entry in a legend of lines. */
+export function markEntry(name: string): Option {
+  return { name, itemStyle: { opacity: 1 } };
+}
+
+/** Ticks of a logarithmic axis over `values`: whole decades, at most six of them named. */
+export function decades(values: Iterable<number | null>): Option {
+  let [least, most] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value === null || !(value > 0)) continue;
+    [least, most] = [Math.min(least, value), Math.max(most, value)];
+  }
+  if (!(least <= most)) return { type: "log" };
+  const from = Math.floor(Math.log10(least) + 1e-9);
+  const to = Math.max(Math.ceil(Math.log10(most) - 1e-9), from + 1);
+  const interval = Math.ceil((to - from) / 6);
+  return { type: "log", min: 10 ** (to - interval * Math.ceil((to - from) / interval)), max: 10 ** to, interval };
 }
 
 export function axis(chosen: Colours, name: string, more: Option = {}): Option {

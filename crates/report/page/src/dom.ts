@@ -17,9 +17,11 @@ export function section(title: string, ...content: Content[]): HTMLElement {
   return element("section", {}, element("h2", {}, title), ...content);
 }
 
-/** A table; columns after the first hold numbers where they are marked so. */
-export function table(caption: string, head: string[], rows: string[][], numbers: boolean[] = []): HTMLElement {
-  const kind = (i: number): Record<string, string> => (numbers[i] ? { class: "number" } : {});
+/** What a column holds, where it is more than a text that may be wrapped. */
+export type Column = "" | "number" | "word";
+
+export function table(caption: string, head: string[], rows: string[][], columns: Column[] = []): HTMLElement {
+  const kind = (i: number): Record<string, string> => (columns[i] ? { class: columns[i] } : {});
   const line = (row: string[]) =>
     element(
       "tr",

@@ -1,6 +1,6 @@
 // Error estimates over the axis of the results.
 
-import { Chart, type Colours, type Option, axis, dash, tip } from "./chart";
+import { Chart, type Colours, type Option, axis, dash, decades, tip } from "./chart";
 import type { Maybe, Page } from "./data";
 import { element } from "./dom";
 import { place, show } from "./words";
@@ -41,18 +41,17 @@ stopped at so many harmonics, and from evaluating the contact forces at samples.
       element(
         "p",
         {},
-        `For the points${which} no estimate of the truncation error was made: with one harmonic in closed form nothing is \
-evaluated beyond it. "solver": {"estimate": true} in the scene asks for one; stickslip truncation compares with more harmonics.`,
+        `For the points${which} no estimate of the truncation error was made. A sweep with several harmonics makes one, with one \
+harmonic where the scene asks for it ("solver": {"estimate": true}); stickslip truncation compares with more harmonics.`,
       ),
     );
   }
   if (lines.length === 0) return root;
   const parameter = page.results[0]?.parameter ?? { name: "frequency", unit: "Hz" };
   const option = (colours: Colours): Option => ({
-    xAxis: axis(colours, parameter.unit ? `${parameter.name} in ${parameter.unit}` : parameter.name, { nameGap: 28, min: "dataMin", max: "dataMax" }),
+    xAxis: axis(colours, parameter.unit ? `${parameter.name} in ${parameter.unit}` : parameter.name, { nameGap: 26, min: "dataMin", max: "dataMax" }),
     yAxis: axis(colours, "relative error, estimated", {
-      type: "log",
-      nameGap: 60,
+      ...decades(lines.flatMap(({ data }) => data.map(([, value]) => value))),
       axisLabel: { color: colours.ink, hideOverlap: true, formatter: (value: number) => show(value, 2) },
     }),
     tooltip: {
@@ -65,7 +64,7 @@ evaluated beyond it. "solver": {"estimate": true} in the scene asks for one; sti
     },
     series: lines.map(({ name, index, line, data }) => {
       const colour = colours.series[(several ? index : line) % colours.series.length];
-      return { name, type: "line", data, showSymbol: data.length < 60, symbolSize: 4, itemStyle: { color: colour }, lineStyle: { color: colour, width: 2, type: dash(line) } };
+      return { name, type: "line", data, symbol: data.length < 60 ? "circle" : "none", symbolSize: 4, itemStyle: { color: colour }, lineStyle: { color: colour, width: 2, type: dash(line) } };
     }),
   });
   const worst = lines.map(({ name, data }) => {

@@ -83,7 +83,7 @@ function peaks(result: Result): HTMLElement[] {
   });
   const head = ["dof", "at", "amplitude", ...(linear ? ["without contacts at", "amplitude without", "lower by"] : [])];
   const caption = page.results.length > 1 ? result.label : `Peaks of |W_${result.harmonic}|`;
-  return [table(caption, head, rows, [false, true, true, true, true, true])];
+  return [table(caption, head, rows, ["", "number", "number", "number", "number", "number"])];
 }
 
 function facts(result: Result): HTMLElement {
@@ -100,7 +100,7 @@ function plans(): void {
     holder.classList.add("long");
     known.forEach((result) => {
       const rows = (result.plan ?? []).map((step) => [step.what, step.used ? "used" : "left out", step.why]);
-      holder.append(table(known.length > 1 ? result.label : result.scene, ["step", "", "why"], rows));
+      holder.append(table(known.length > 1 ? result.label : result.scene, ["step", "use", "why"], rows, ["", "word", ""]));
     });
   }
   page.results.forEach((result) => {

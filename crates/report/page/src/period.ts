@@ -1,6 +1,6 @@
 // One period of the chosen point: loops of the contacts, waveforms, harmonics.
 
-import { Chart, type Colours, type Option, axis, dash, tip } from "./chart";
+import { Chart, type Colours, type Option, axis, dash, decades, legend, tip } from "./chart";
 import { type Page, type Period, Periods, type Result } from "./data";
 import { element } from "./dom";
 import type { Choice } from "./response";
@@ -18,8 +18,7 @@ const WITHOUT_MOTION = "There is no motion to show.";
 export class PeriodView {
   readonly root = element("div");
   private readonly periods: Periods[];
-  private readonly loops = element("div", { class: "panels" });
-  private readonly waves = element("div", { class: "panels" });
+  private readonly panels = element("div", { class: "panels" });
   private readonly note = element("p");
   private readonly contacts: HTMLSelectElement;
   private readonly picker: HTMLElement;
@@ -38,7 +37,7 @@ export class PeriodView {
     this.contacts = element("select", { name: "contact" });
     this.contacts.addEventListener("change", () => this.draw());
     this.picker = element("div", { class: "controls" }, element("label", {}, "Contact", this.contacts));
-    this.root.append(this.note, this.picker, element("h3", {}, "Loops"), this.loops, element("h3", {}, "Waveforms and harmonics"), this.waves);
+    this.root.append(this.note, this.picker, this.panels);
     this.offer();
     this.draw();
   }
@@ -109,7 +108,6 @@ export class PeriodView {
     } else {
       this.charts.forEach((chart) => chart.draw());
     }
-    this.loops.hidden = directions.length === 0 || !own;
   }
 
   private sentence(active: Result | undefined, own: Shown | undefined): string {
@@ -132,20 +130,20 @@ export class PeriodView {
   }
 
   private make(contact: string, directions: string[]): void {
-    const add = (name: string, parent: HTMLElement, option: (colours: Colours) => Option, text: () => string) =>
-      this.charts.push(new Chart(name, false, option, text, parent));
+    const add = (name: string, option: (colours: Colours) => Option, text: () => string) =>
+      this.charts.push(new Chart(name, false, option, text, this.panels));
     directions.forEach((direction) => {
       const name = ["loop", direction].filter(Boolean).join("-");
-      add(name, this.loops, (colours) => this.loop(colours, contact, direction), () => this.loopText(contact, direction));
+      add(name, (colours) => this.loop(colours, contact, direction), () => this.loopText(contact, direction));
     });
     if (directions.length > 2) {
-      add("path", this.loops, (colours) => this.path(colours, contact), () => `Path of contact ${contact} in its plane over one period: displacement in one tangential direction over that in the other.`);
+      add("path", (colours) => this.path(colours, contact), () => `Path of contact ${contact} in its plane over one period: displacement in one tangential direction over that in the other.`);
     }
-    add("displacement", this.waves, (colours) => this.displacement(colours), () => this.waveText());
+    add("displacement", (colours) => this.displacement(colours), () => this.waveText());
     if (directions.length > 0) {
-      add("force", this.waves, (colours) => this.force(colours, contact), () => `Force of contact ${contact} over one period${directions.length > 1 ? ", one line a direction" : ""}.`);
+      add("force", (colours) => this.force(colours, contact), () => `Force of contact ${contact} over one period${directions.length > 1 ? ", one line a direction" : ""}.`);
     }
-    add("harmonics", this.waves, (colours) => this.harmonics(colours), () => "Amplitude of each harmonic of the displacements, logarithmic.");
+    add("harmonics", (colours) => this.harmonics(colours), () => "Amplitude of each harmonic of the displacements, logarithmic.");
   }
 
   private direction(shown: Shown, contact: string, direction: string) {
@@ -154,11 +152,15 @@ export class PeriodView {
     );
   }
 
-  /** The name of a line: that of the result and its place where there are several. */
+  /** The name of a line, with that of its result where there are several. */
   private label(shown: Shown, name: string): string {
-    if (this.page.results.length < 2) return name;
-    const at = shown.result.points.parameter[shown.period.point] ?? 0;
-    return [shown.result.label, place(at, shown.result.parameter), name].filter(Boolean).join(", ");
+    return this.page.results.length < 2 ? name : `${shown.result.label}: ${name}`;
+  }
+
+  /** The name of a loop: with several results that of its own and the place it is from. */
+  private loopLabel(shown: Shown, title: string): string {
+    const at = place(shown.result.points.parameter[shown.period.point] ?? 0, shown.result.parameter);
+    return this.page.results.length < 2 ? title : `${shown.result.label}, ${at}`;
   }
 
   private colour(colours: Colours, shown: Shown, line: number): string | undefined {
@@ -175,13 +177,13 @@ export class PeriodView {
     const y = unitFor(largest(found.flatMap(({ entry }) => [...entry.force])), "N");
     const title = [contact, direction].filter(Boolean).join(", ");
     return {
-      ...this.plain(colours, this.page.results.length > 1, title),
-      xAxis: axis(colours, `relative displacement in ${x.name}`, { nameGap: 28, scale: true }),
-      yAxis: axis(colours, `force in ${y.name}`, { nameGap: 44, scale: true }),
+      ...this.plain(colours, this.page.results.length > 1 ? "lines" : "title"),
+      xAxis: axis(colours, `relative displacement in ${x.name}`, { nameGap: 26, scale: true }),
+      yAxis: axis(colours, `force in ${y.name}`, { scale: true }),
       series: found.map(({ shown, entry }, i) => ({
-        name: this.label(shown, i === 0 ? title : ""),
+        name: this.loopLabel(shown, title),
         type: "line",
-        showSymbol: false,
+        symbol: "none",
         itemStyle: { color: this.colour(colours, shown, 0) },
         lineStyle: { color: this.colour(colours, shown, 0), width: 2, type: dash(i) },
         data: closed(entry.displacement, entry.force, x.factor, y.factor),
@@ -196,13 +198,13 @@ export class PeriodView {
     });
     const unit = unitFor(largest(found.flatMap(({ first, second }) => [...first.displacement, ...second.displacement])), "m");
     return {
-      ...this.plain(colours, this.page.results.length > 1, `${contact}, path`),
-      xAxis: axis(colours, `tangential1 in ${unit.name}`, { nameGap: 28, scale: true }),
-      yAxis: axis(colours, `tangential2 in ${unit.name}`, { nameGap: 44, scale: true }),
+      ...this.plain(colours, this.page.results.length > 1 ? "lines" : "title"),
+      xAxis: axis(colours, `tangential1 in ${unit.name}`, { nameGap: 26, scale: true }),
+      yAxis: axis(colours, `tangential2 in ${unit.name}`, { scale: true }),
       series: found.map(({ shown, first, second }, i) => ({
-        name: this.label(shown, i === 0 ? `${contact}, path` : ""),
+        name: this.loopLabel(shown, `${contact}, path`),
         type: "line",
-        showSymbol: false,
+        symbol: "none",
         itemStyle: { color: this.colour(colours, shown, 0) },
         lineStyle: { color: this.colour(colours, shown, 0), width: 2, type: dash(i) },
         data: closed(first.displacement, second.displacement, unit.factor, unit.factor),
@@ -239,13 +241,13 @@ export class PeriodView {
     factor: number,
   ): Option {
     return {
-      ...this.plain(colours, true, ""),
-      xAxis: axis(colours, "part of a period", { nameGap: 28, min: 0, max: 1 }),
-      yAxis: axis(colours, name, { nameGap: 44, scale: true }),
+      ...this.plain(colours, "lines"),
+      xAxis: axis(colours, "part of a period", { nameGap: 26, min: 0, max: 1 }),
+      yAxis: axis(colours, name, { scale: true }),
       series: rows.map(({ shown, name, row, line }) => ({
         name: this.label(shown, name),
         type: "line",
-        showSymbol: false,
+        symbol: "none",
         itemStyle: { color: this.colour(colours, shown, line) },
         lineStyle: { color: this.colour(colours, shown, line), width: 2, type: dash(line) },
         data: Array.from({ length: row.length + 1 }, (_, i) => [i / row.length, (row[i % row.length] ?? 0) / factor]),
@@ -259,15 +261,11 @@ export class PeriodView {
     );
     const unit = unitFor(largest(rows.flatMap(({ row }) => [...row])), "m");
     const orders = [...new Set(rows.flatMap(({ orders }) => orders))].sort((a, b) => a - b);
-    const most = largest(rows.flatMap(({ row }) => [...row])) / unit.factor;
     return {
-      ...this.plain(colours, true, ""),
-      xAxis: axis(colours, "harmonic", { type: "category", data: orders.map(String), nameGap: 28 }),
+      ...this.plain(colours, "marks"),
+      xAxis: axis(colours, "harmonic", { type: "category", data: orders.map(String), nameGap: 26 }),
       yAxis: axis(colours, `amplitude in ${unit.name}`, {
-        type: "log",
-        nameGap: 56,
-        // Twelve decades: what lies below is rounding.
-        min: most > 0 ? most * 1e-12 : null,
+        ...decades(rows.flatMap(({ row }) => [...row].map((value) => value / unit.factor))),
         axisLabel: { color: colours.ink, hideOverlap: true, formatter: (value: number) => show(value, 2) },
       }),
       series: rows.map(({ shown, dof, row, orders: own }) => ({
@@ -284,20 +282,15 @@ export class PeriodView {
     };
   }
 
-  private plain(colours: Colours, legend: boolean, title: string): Option {
-    const shown = legend ? {} : { show: true, icon: "none" };
+  /** A legend: of lines, of marks, or, where there is one line, its name as a title. */
+  private plain(colours: Colours, kind: "lines" | "marks" | "title"): Option {
+    const more = {
+      lines: {},
+      marks: { itemStyle: { opacity: 1 }, itemWidth: 14 },
+      title: { icon: "none", itemWidth: 0, textStyle: { color: colours.ink, fontWeight: 600 } },
+    }[kind];
     return {
-      legend: {
-        type: "scroll",
-        top: 4,
-        textStyle: { color: colours.ink, fontWeight: title ? 600 : 400 },
-        pageTextStyle: { color: colours.ink },
-        pageIconColor: colours.accent,
-        pageIconInactiveColor: colours.line,
-        inactiveColor: colours.muted,
-        itemWidth: 28,
-        ...shown,
-      },
+      legend: legend(colours, more),
       tooltip: {
         trigger: "item",
         ...tip(colours, (found) => {

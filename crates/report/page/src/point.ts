@@ -11,7 +11,7 @@ export class PointView {
   private readonly slider = element("input", { type: "range", min: "0", name: "point" });
   private readonly wanted = element("input", { type: "number", step: "any", name: "place" });
   private readonly status = element("p", { class: "status", role: "status", "aria-live": "polite" });
-  private readonly tables = element("div", { class: "panels", id: "numbers" });
+  private readonly tables = element("div", { class: "numbers", id: "numbers" });
 
   constructor(
     private readonly page: Page,
@@ -148,7 +148,7 @@ export class PointView {
       ...(linear ? [withUnit(linear[d]?.[i], "m")] : []),
     ]);
     const columns = ["dof", `amplitude |W_${result.harmonic}|`, "phase in rad", ...(linear ? ["without contacts"] : [])];
-    made.push(table("Displacements", columns, dofs, [false, true, true, true]));
+    made.push(table("Displacements", columns, dofs, ["", "number", "number", "number"]));
     const contacts = result.contacts.flatMap((contact) =>
       contact.amplitude.map((row, d) => [
         [contact.name, contact.directions[d]].filter(Boolean).join(", "),
@@ -164,7 +164,7 @@ export class PointView {
           "Contacts",
           ["contact", "state", "amplitude (half the range)", "dissipation a period", "beyond what was measured"],
           contacts,
-          [false, false, true, true, false],
+          ["", "word", "number", "number", ""],
         ),
       );
     }

@@ -1,6 +1,6 @@
 // The response: amplitudes of the output dofs over frequency (or over another entry), all results over one axis.
 
-import { Chart, type Colours, type Option, axis, dash, tip } from "./chart";
+import { Chart, type Colours, type Option, axis, dash, decades, legend, markEntry, tip } from "./chart";
 import type { Maybe, Page } from "./data";
 import { element } from "./dom";
 import { largest, place, show, unitFor } from "./words";
@@ -165,13 +165,13 @@ write the ends of the range.",
   private option(colours: Colours): Option {
     const several = this.page.results.length > 1;
     const series: Option[] = [];
-    const shownInLegend: string[] = [];
-    const add = (entry: Option & { name: string }) => {
+    const shownInLegend: (string | Option)[] = [];
+    const add = (entry: Option & { name: string; type: string }) => {
       series.push(entry);
-      shownInLegend.push(entry.name);
+      shownInLegend.push(entry.type === "line" ? entry.name : markEntry(entry.name));
     };
     const line = (name: string, data: [number, Maybe<number>][], style: Option) =>
-      add({ name, type: "line", data, showSymbol: data.length < 60, symbolSize: 4, ...style });
+      add({ name, type: "line", data, symbol: data.length < 60 ? "circle" : "none", symbolSize: 4, ...style });
     this.each((name, result, dof, index) => {
       const colour = colours.series[(several ? index : dof) % colours.series.length];
       const at = (row: Maybe<number>[] | undefined) =>
@@ -184,7 +184,7 @@ write the ends of the range.",
       const first = this.page.results.findIndex((other) => other.scene === result.scene && other.points.linear);
       if (result.points.linear && first === index) {
         line(`${several ? `${result.scene}: ` : ""}${result.dofs[dof] ?? ""} without contacts`, at(result.points.linear[dof]), {
-          showSymbol: false,
+          symbol: "none",
           itemStyle: { color: colours.muted },
           lineStyle: { color: colours.muted, width: 1, type: dash(dof + 1) },
         });
@@ -223,23 +223,19 @@ write the ends of the range.",
     }
     series.push(this.chosen(colours));
     const { name, unit } = this.parameter();
-    const vertical = this.vertical();
     const harmonics = new Set(this.page.results.map((result) => result.harmonic));
     const index = harmonics.size === 1 ? [...harmonics][0] : "k";
     return {
-      grid: { left: 16, right: 24, top: 44, bottom: 84, containLabel: true },
-      xAxis: axis(colours, unit ? `${name} in ${unit}` : name, { nameGap: 28, min: "dataMin", max: "dataMax" }),
+      grid: { left: 12, right: 24, top: 44, bottom: 44, outerBoundsMode: "same", outerBoundsContain: "all" },
+      xAxis: axis(colours, unit ? `${name} in ${unit}` : name, { nameGap: 26, min: "dataMin", max: "dataMax" }),
       yAxis: [
         axis(colours, `amplitude |W_${index}| in ${this.unit.name}`, {
-          type: this.logarithmic ? "log" : "value",
-          nameGap: 52,
-          min: vertical?.[0] ?? null,
-          max: vertical?.[1] ?? null,
+          ...this.height(),
           axisLabel: { color: colours.ink, formatter: (value: number) => show(value, 3) },
         }),
         { type: "value", show: false, min: 0, max: 1 },
       ],
-      legend: { ...this.legend(colours), data: shownInLegend },
+      legend: legend(colours, { data: shownInLegend }),
       tooltip: {
         trigger: "axis",
         axisPointer: { type: "line", lineStyle: { color: colours.muted } },
@@ -267,22 +263,18 @@ write the ends of the range.",
     };
   }
 
+  /** Scale and ends of the axis of amplitudes. */
+  private height(): Option {
+    const zoomed = this.vertical();
+    const [min, max] = zoomed ?? [null, null];
+    if (zoomed || !this.logarithmic) return { type: this.logarithmic ? "log" : "value", min, max, interval: null };
+    const rows = this.page.results.flatMap((result) => [...result.points.amplitude, ...(result.points.linear ?? [])]);
+    return decades(rows.flat().map((value) => this.scaled(value)));
+  }
+
   private shownRange(): Option {
     const [startValue, endValue] = this.range ?? this.extent();
     return { startValue, endValue };
-  }
-
-  private legend(colours: Colours): Option {
-    return {
-      type: "scroll",
-      top: 4,
-      itemWidth: 34,
-      textStyle: { color: colours.ink },
-      pageTextStyle: { color: colours.ink },
-      pageIconColor: colours.accent,
-      pageIconInactiveColor: colours.line,
-      inactiveColor: colours.muted,
-    };
   }
 
   /** The chosen point on the curves of its result. */

@@ -27,7 +27,8 @@ export function show(value: number | null | undefined, digits = 5): string {
   const size = Math.abs(value);
   if (size >= 1e-3 && size < 1e6) return String(Number(value.toPrecision(digits)));
   const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
-  return `${Number(mantissa)} · 10${raised(Number(exponent))}`;
+  const power = `10${raised(Number(exponent))}`;
+  return Number(mantissa) === 1 ? power : `${Number(mantissa)} · ${power}`;
 }
 
 function raised(exponent: number): string {
