@@ -79,7 +79,7 @@ fn a_sweep_has_the_form_that_was_promised() {
         let contact = &point["contacts"]["root"];
         assert_eq!(
             keys(contact),
-            ["amplitude", "dissipation", "extrapolated", "force", "state", "turning_points"]
+            ["amplitude", "displacement", "dissipation", "extrapolated", "force", "state", "turning_points"]
         );
         let w = point["displacement"]["w1"][0].as_array().unwrap();
         assert_eq!((w.len(), &w[0]), (3, &json!(1)));

@@ -3,6 +3,7 @@
 mod ci;
 mod deny;
 mod dist;
+mod equations;
 mod error_vs_runtime;
 mod estimates;
 mod extreme;
@@ -26,6 +27,7 @@ mod python;
 mod reconstruct;
 mod record_family;
 mod reference_loop;
+mod report_page;
 mod scaling;
 mod synthetic_loop;
 mod truths;
@@ -42,6 +44,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   deny                     licences, sources and advisories of all dependencies with cargo-deny; says so where that is missing
   dist                     what a release consists of, in target/dist: program, manual pages, completions, wheel, licences, sums
                            (--without-wheel without Python, --quick around the release build)
+  doc                      the documentation of all crates with drawn equations, in target/doc
+  equations                draws the equations of the book; `mdbook build docs` calls it
   figures                  writes docs/figures and docs/src/reproduction.md: the paper's figures and numbers
   figures --check          fails when a stated number leaves its tolerance or a committed figure shows other data
   reconstruct              searches the parameters of the paper's Fig. 4 and writes scenes/hoffmann-2017*.json
@@ -70,6 +74,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   python                   builds the wheel of the Python package and tests it in an environment of its own (needs Python 3.10
                            or later and a package index)
   reference-loop           writes scenes/loops/reference.csv
+  report-page              bundles the page of `stickslip report` (needs Node.js 20 or later and a package registry)
+  report-page --test       and tests it in Chromium
   … --check                fails unless what one of reference-loop, iwan and loop-family writes and prints is in the repository";
 
 fn main() -> ExitCode {
@@ -89,6 +95,11 @@ fn run() -> Result<()> {
         ["ci"] => ci::run(&root()),
         ["deny"] => deny::run(&root()),
         ["dist", words @ ..] => dist::run(&root(), words),
+        ["doc"] => equations::document(&root()),
+        ["equations"] => equations::preprocess(),
+        // mdBook asks which renderers are supported; MathML is for browsers.
+        ["equations", "supports", "html"] => Ok(()),
+        ["equations", "supports", renderer] => bail!("equations are drawn for html, not for {renderer}"),
         ["error-vs-runtime"] => error_vs_runtime::run(&root()),
         ["error-vs-runtime", "--draw"] => error_vs_runtime::draw(&root()),
         ["error-vs-runtime", "--quick"] => error_vs_runtime::quick(&root()),
@@ -114,6 +125,8 @@ fn run() -> Result<()> {
         ["figures", "--check"] => figures::check(&root()),
         ["reconstruct"] => reconstruct::write(&root()),
         ["reconstruct", "--check"] => reconstruct::check(&root()),
+        ["report-page"] => report_page::bundle(&root(), true).map(|_| ()),
+        ["report-page", "--test"] => report_page::test(&root()),
         ["scaling"] => scaling::run(&root()),
         ["scaling", "--draw"] => scaling::draw(&root()),
         ["reference-loop"] => reference_loop::write(&root()),

@@ -1,5 +1,7 @@
 //! What can be asked for: commands, flags and their help.
 
+#[cfg(feature = "report")]
+mod reports;
 mod studies;
 
 use std::num::NonZeroUsize;
@@ -9,6 +11,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Harmonics, Scene};
 
+#[cfg(feature = "report")]
+pub use reports::ReportArguments;
 pub use studies::{
     BackboneArguments, ContinueArguments, MergeArguments, OrbitArguments, PeaksArguments, Quantity,
     StudyArguments, StudyResultArguments, TruncationArguments,
@@ -29,6 +33,7 @@ Examples:
   stickslip peaks scene.json --vary /contacts/0/law/slip_force --from 1 --to 100 --log
                                                    the best slip force of a damper
   stickslip study damper.json -o peaks.csv         a grid over entries of a scene
+  stickslip report response.json -o report.html    a page to look at it in a browser
   stickslip loop fit record.csv                    what is in a measured loop
   stickslip loop scale loops/*.csv                 how loops scale with their amplitude
 
@@ -80,6 +85,10 @@ pub enum Command {
     /// Put the parts of a study together that several machines solved
     #[command(after_help = studies::MERGE)]
     Merge(MergeArguments),
+    /// Show results as one HTML page: curves, loops, waveforms, error estimates
+    #[cfg(feature = "report")]
+    #[command(after_help = reports::REPORT)]
+    Report(ReportArguments),
     /// Look at measured friction loops
     #[command(subcommand, arg_required_else_help = true)]
     Loop(LoopCommand),

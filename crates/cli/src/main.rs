@@ -15,6 +15,8 @@ mod orbit;
 mod output;
 mod peak;
 mod progress;
+#[cfg(feature = "report")]
+mod report;
 mod study;
 mod summary;
 mod sweep;
@@ -60,6 +62,8 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Peaks(arguments) => peak::run(arguments),
         Command::Study(arguments) => study::run(arguments),
         Command::Merge(arguments) => study::merge(arguments),
+        #[cfg(feature = "report")]
+        Command::Report(arguments) => report::run(arguments),
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
         Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),
         Command::Init(arguments) => init::run(arguments),

@@ -79,7 +79,7 @@ fn physical(system: &Scaled, event: &PhaseEvent) -> Option<Event> {
 /// The state to start from without dimensions.
 fn start(system: &Scaled, settings: &Settings) -> Result<Vec<f64>, OrbitError> {
     let n = system.dofs;
-    let sliders = system.sliders.len() + system.frictions().count();
+    let sliders = system.sliders.len() + system.pulls().count();
     let Some(state) = &settings.start else { return Ok(vec![0.0; 2 * n + sliders]) };
     for (what, given, expected) in [
         ("displacements", state.displacement.len(), n),
@@ -98,8 +98,8 @@ fn start(system: &Scaled, settings: &Settings) -> Result<Vec<f64>, OrbitError> {
     let forces = state.sliders.iter().zip(&system.sliders);
     out.extend(forces.map(|(force, slider)| (force / (slider.limit * system.force())).clamp(-1.0, 1.0)));
     // Friction is cut to what the pressure allows where the motion begins.
-    let pulls = state.sliders.iter().skip(system.sliders.len()).zip(system.frictions());
-    out.extend(pulls.map(|(force, (_, _, friction))| force / (friction.stiffness * system.force())));
+    let pulls = state.sliders.iter().skip(system.sliders.len()).zip(system.pulls());
+    out.extend(pulls.map(|(force, (friction, _))| force / (friction.stiffness * system.force())));
     if out.iter().all(|x| x.is_finite()) {
         Ok(out)
     } else {

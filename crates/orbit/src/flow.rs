@@ -10,11 +10,12 @@
 //! with k_c the stiffness of contact c's spring and sticking sliders, and κ_c = ±μk_n while a joint slips under the
 //! pressure of its normal direction n. Its solution over a step of at most one radian of
 //! the fastest motion is a Taylor series of [`TERMS`] terms, exact to rounding; that is the matrix exponential, and
-//! unlike eigenvectors it does not care about rigid-body modes, critical damping or resonance. Events are sign changes
-//! of polynomials, none of which can be missed.
+//! unlike eigenvectors it does not care about rigid-body modes, critical damping or resonance. A force that turns while a joint
+//! slips in two directions ([`crate::turning`]) makes it a nonlinear one, whose series is as exact over shorter steps. Events
+//! are sign changes of polynomials, none of which can be missed.
 
 use crate::error::OrbitError;
-use crate::links::Elastic;
+use crate::links::{Elastic, Friction, Link, Press};
 use crate::opening;
 use crate::path::{Element, Path, PhaseEvent, Piece};
 use crate::polynomial::{Polynomial, TERMS, derivative, divided_by_s, root, sign_changes, value};
@@ -22,6 +23,7 @@ use crate::press::{Change, Touch};
 use crate::scaled::{Scaled, add_product, row_norm};
 use crate::settings::EventKind;
 use crate::tangents::Tangents;
+use crate::turning::Turning;
 
 /// Steps a period beyond which something is wrong.
 const MOST_STEPS: usize = 20_000_000;
@@ -45,7 +47,11 @@ pub(crate) struct Flow<'a> {
     /// What every contact that opens does.
     pub(crate) touches: Vec<Touch>,
     /// Of every contact that opens, the direction in which slip has just ended.
-    pub(crate) turned: Vec<Option<f64>>,
+    pub(crate) turned: Vec<Option<[f64; 2]>>,
+    /// Of every contact that opens, whether it has just closed.
+    pub(crate) met: Vec<bool>,
+    /// Forces that turn in this step, one a contact that opens.
+    pub(crate) turnings: Vec<Option<Turning<f64>>>,
     tau: f64,
     /// The velocity of a contact is zero by definition: an event has just found it there.
     zero: Vec<bool>,
@@ -82,6 +88,8 @@ impl<'a> Flow<'a> {
             sliders: vec![Motion::Stick { offset: 0.0 }; system.sliders.len()],
             touches: vec![Touch::Apart; system.presses.len()],
             turned: vec![None; system.presses.len()],
+            met: vec![false; system.presses.len()],
+            turnings: vec![None; system.presses.len()],
             tau: 0.0,
             zero: vec![false; contacts],
             elastic: vec![Elastic::default(); contacts],
@@ -105,14 +113,13 @@ impl<'a> Flow<'a> {
             *motion = Motion::Stick { offset: force.clamp(-1.0, 1.0) - slider.gain * u };
         }
         let system = self.system;
-        let pulls = forces.get(self.sliders.len()..).unwrap_or_default();
-        for (press, index) in system.presses.iter().zip(0..) {
-            let pull = system.friction_index(index).and_then(|at| pulls.get(at)).copied().unwrap_or(0.0);
-            if let Some(touch) = self.touches.get_mut(index) {
-                *touch = opening::begin(press, &system.links, &self.y, pull);
-            }
+        let mut pulls = forces.get(self.sliders.len()..).unwrap_or_default().iter().copied();
+        for (press, touch) in system.presses.iter().zip(&mut self.touches) {
+            let pull = press.take_pull(&mut pulls);
+            *touch = opening::begin(press, &system.links, &self.y, pull);
         }
         self.turned.fill(None);
+        self.met.fill(false);
         self.tau = 0.0;
         self.zero.fill(false);
         self.peak = (0.0, 0.0);
@@ -130,9 +137,8 @@ impl<'a> Flow<'a> {
             });
         }
         for (press, touch) in self.system.presses.iter().zip(&self.touches) {
-            if press.friction.is_some() {
-                out.push(opening::pull(press, *touch, &self.system.links, &self.y));
-            }
+            let pull = opening::pull(press, *touch, &self.system.links, &self.y);
+            out.extend(press.friction.iter().flat_map(Friction::links).zip(pull).map(|(_, pull)| pull));
         }
     }
 
@@ -171,6 +177,7 @@ impl<'a> Flow<'a> {
                 without_progress = 0;
                 self.zero.fill(false);
                 self.turned.fill(None);
+                self.met.fill(false);
             } else {
                 without_progress += 1;
             }
@@ -265,7 +272,11 @@ impl<'a> Flow<'a> {
         for (press, touch) in self.system.presses.iter().zip(&self.touches) {
             opening::set_elastic(press, *touch, &mut self.elastic);
         }
-        let length = (1.0 / self.fastest()).min(until - self.tau);
+        let mut length = (1.0 / self.fastest()).min(until - self.tau);
+        if self.system.presses.iter().any(Press::is_planar) {
+            // The square of a series has to be one as well.
+            length = length.min(0.5 / self.fastest()).min(self.begin_turnings());
+        }
         let n = self.system.dofs;
         let mut factor = length * length;
         for (j, row) in self.coefficients.chunks_exact_mut(n).skip(2).enumerate() {
@@ -284,8 +295,30 @@ impl<'a> Flow<'a> {
                 }
             }
         }
-        recur(self.system, &self.elastic, length, &mut self.coefficients);
-        length
+        let (system, turnings) = (self.system, &mut self.turnings);
+        recur(system, &self.elastic, length, &mut self.coefficients, |j, c, after, next| {
+            for (press, turning) in system.presses.iter().zip(turnings.iter_mut()) {
+                if let Some(turning) = turning {
+                    let force = opening::extend(press, &system.links, turning, (j, c, after));
+                    press.push(&system.links, force, length * length, next);
+                }
+            }
+        });
+        self.shorten(length)
+    }
+
+    /// Cuts the step to what the series of forces that turn can say; returns its length.
+    fn shorten(&mut self, length: f64) -> f64 {
+        let factor = self.turnings.iter().flatten().map(Turning::valid).fold(1.0, f64::min);
+        if factor < 1.0 {
+            let mut power = 1.0;
+            for row in self.coefficients.chunks_exact_mut(self.system.dofs) {
+                row.iter_mut().for_each(|c| *c *= power);
+                power *= factor;
+            }
+            self.turnings.iter_mut().flatten().for_each(|turning| turning.shorten(factor));
+        }
+        factor * length
     }
 
     /// A bound on the rate of the fastest motion: r² = ‖M̃⁻¹D̃‖ r + ‖M̃⁻¹K̃_c‖, and the highest load.
@@ -296,6 +329,20 @@ impl<'a> Flow<'a> {
             for (other, k) in elastic.parts(c) {
                 let ends = self.system.links.get(other).map_or(&[][..], |link| &link.ends);
                 stiffness += k.abs() * row * ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>();
+            }
+        }
+        // A force that turns follows its pressure.
+        for (press, touch) in self.system.presses.iter().zip(&self.touches) {
+            if let (Touch::Slip { .. }, true) = (touch, press.is_planar()) {
+                let sum = |link: &Link| link.ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>();
+                let along = press
+                    .friction
+                    .iter()
+                    .flat_map(Friction::links)
+                    .filter_map(|link| self.system.links.get(link));
+                let row = along.flat_map(|link| &link.acceleration).fold(0.0_f64, |top, a| top.max(a.abs()));
+                let friction = press.friction.map_or(0.0, |friction| friction.coefficient * press.stiffness);
+                stiffness += 2.0 * friction * row * self.system.links.get(press.normal).map_or(0.0, sum);
             }
         }
         let rate = 0.5 * (damping + (damping * damping + 4.0 * stiffness).sqrt());
@@ -380,7 +427,7 @@ impl<'a> Flow<'a> {
     }
 
     /// The direction in which the contact slips that is about to change.
-    fn slipping(&self, next: Next) -> Option<f64> {
+    fn slipping(&self, next: Next) -> Option<[f64; 2]> {
         let Next::Touch { press, .. } = next else { return None };
         match self.touches.get(press)? {
             Touch::Slip { direction } => Some(*direction),
@@ -412,6 +459,7 @@ impl<'a> Flow<'a> {
             (*y, *v) = (position, rate / length);
             self.peak = (self.peak.0.max(y.abs()), self.peak.1.max(v.abs()));
         }
+        self.turn(s);
         self.tau = to.unwrap_or(self.tau + s * length);
     }
 
@@ -477,7 +525,22 @@ impl<'a> Flow<'a> {
             factor *= s;
         }
         let (start, length) = (self.tau, s * length);
-        path.pieces.push(Piece { start, length, coefficients, elastic: self.elastic.clone() });
+        let turning = self.system.presses.iter().zip(&self.turnings).flat_map(|(press, turning)| {
+            let turning = turning.as_ref().zip(press.friction);
+            turning.into_iter().flat_map(|(turning, friction)| {
+                let over = move |pull: &Polynomial| {
+                    let mut power = friction.stiffness;
+                    pull.map(|c| {
+                        let scaled = c * power;
+                        power *= s;
+                        scaled
+                    })
+                };
+                friction.links().zip(turning.pull().iter().map(over))
+            })
+        });
+        let turning = turning.collect();
+        path.pieces.push(Piece { start, length, coefficients, elastic: self.elastic.clone(), turning });
     }
 
     /// Of every link in this step.
@@ -492,8 +555,15 @@ impl<'a> Flow<'a> {
 }
 
 /// The recursion of the series: `(j+1)(j+2) c_{j+2} = source_j − length² K c_j − length (j+1) D c_{j+1}`, K with the
-/// contacts' stiffnesses. c_0, c_1 and, in place of the others, the sources are given.
-pub(crate) fn recur(system: &Scaled, elastic: &[Elastic], length: f64, coefficients: &mut [f64]) {
+/// contacts' stiffnesses. c_0, c_1 and, in place of the others, the sources are given. `bend(j, c_j, c_{j+1}, source_j)` takes from
+/// the sources what is not linear; it is asked for the last two orders too, without a source.
+pub(crate) fn recur(
+    system: &Scaled,
+    elastic: &[Elastic],
+    length: f64,
+    coefficients: &mut [f64],
+    mut bend: impl FnMut(usize, &[f64], &[f64], &mut [f64]),
+) {
     let n = system.dofs;
     for j in 0..TERMS - 2 {
         let Some((known, next)) = coefficients.split_at_mut_checked((j + 2) * n) else { return };
@@ -510,8 +580,13 @@ pub(crate) fn recur(system: &Scaled, elastic: &[Elastic], length: f64, coefficie
                 *next -= pull * acceleration;
             }
         }
+        bend(j, c, c1, next);
         let divisor = ((j + 1) * (j + 2)) as f64;
         next.iter_mut().for_each(|next| *next /= divisor);
+    }
+    for j in TERMS - 2..TERMS {
+        let row = |j: usize| coefficients.get(j * n..(j + 1) * n).unwrap_or_default();
+        bend(j, row(j), row(j + 1), &mut []);
     }
 }
 

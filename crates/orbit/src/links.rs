@@ -39,11 +39,13 @@ pub(crate) struct Press {
     pub(crate) friction: Option<Friction>,
 }
 
-/// A spring in series with a slider whose limit is μN.
+/// A spring in series with a slider whose limit is μN, in one or two tangential directions.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Friction {
-    /// Link along the tangent.
+    /// Link along the first tangent.
     pub(crate) link: usize,
+    /// Along the second, where there is one.
+    pub(crate) second: Option<usize>,
     /// k_t.
     pub(crate) stiffness: f64,
     /// μ.
@@ -74,6 +76,57 @@ pub(crate) struct Elastic {
     pub(crate) constant: f64,
     /// Another link and the stiffness by which its displacement acts here: μk_n while a joint slips.
     pub(crate) coupled: Option<(usize, f64)>,
+}
+
+impl Friction {
+    /// Links along the tangents.
+    pub(crate) fn links(&self) -> impl Iterator<Item = usize> + use<> {
+        [Some(self.link), self.second].into_iter().flatten()
+    }
+
+    /// β·x along the tangents; zero where there is none.
+    pub(crate) fn along(&self, links: &[Link], x: &[f64]) -> [f64; 2] {
+        let relative = |link: usize| links.get(link).map_or(0.0, |link| link.relative(x));
+        [relative(self.link), self.second.map_or(0.0, relative)]
+    }
+}
+
+impl Press {
+    /// Slip turns its direction: friction in two tangential directions.
+    pub(crate) fn is_planar(&self) -> bool {
+        self.friction.is_some_and(|friction| friction.second.is_some())
+    }
+
+    /// μ/k_t: what a pressure means for the slider.
+    pub(crate) fn reach(&self) -> f64 {
+        self.friction.map_or(0.0, |friction| friction.coefficient / friction.stiffness)
+    }
+
+    /// The next elongations of its tangential spring among those of all: one a tangential direction.
+    pub(crate) fn take_pull(&self, all: &mut impl Iterator<Item = f64>) -> [f64; 2] {
+        let mut pull = [0.0; 2];
+        let directions = self.friction.iter().flat_map(Friction::links).count();
+        pull.iter_mut().zip(all.take(directions)).for_each(|(slot, pull)| *slot = pull);
+        pull
+    }
+
+    /// Adds `−factor · force` along the tangents to an acceleration.
+    pub(crate) fn push(&self, links: &[Link], force: [f64; 2], factor: f64, acceleration: &mut [f64]) {
+        for (link, force) in self.friction.iter().flat_map(Friction::links).zip(force) {
+            let own = links.get(link).map_or(&[][..], |link| &link.acceleration);
+            acceleration.iter_mut().zip(own).for_each(|(sum, a)| *sum -= factor * force * a);
+        }
+    }
+
+    /// β_n·x.
+    pub(crate) fn approach(&self, links: &[Link], x: &[f64]) -> f64 {
+        links.get(self.normal).map_or(0.0, |link| link.relative(x))
+    }
+
+    /// N before it is cut.
+    pub(crate) fn pressure_at(&self, links: &[Link], y: &[f64]) -> f64 {
+        self.pressure + self.stiffness * self.approach(links, y)
+    }
 }
 
 impl Link {
@@ -147,14 +200,13 @@ impl Scaled {
             let all = first..self.links.len();
             match joint.law.mechanism() {
                 JointMechanism::Friction { tangential_stiffness, friction_coefficient, normal } => {
-                    if all.len() != 2 {
-                        return none(
-                            "friction in two tangential directions is followed by no closed form; leave one of them out",
-                        );
+                    if !(2..=3).contains(&all.len()) {
+                        return none("friction is followed in one or two tangential directions");
                     }
-                    let mut press = self.press((contacts + index, first + 1), &normal, joint.scale);
+                    let mut press = self.press((contacts + index, all.end - 1), &normal, joint.scale);
                     press.friction = Some(Friction {
                         link: first,
+                        second: (all.len() == 3).then_some(first + 1),
                         stiffness: joint.scale * tangential_stiffness / (self.omega * self.omega),
                         coefficient: friction_coefficient,
                     });

@@ -61,7 +61,7 @@ impl Orbit {
         let displacements = system.root_mass.iter().map(length);
         let velocities = system.root_mass.iter().map(|root| length(root) * system.omega);
         let forces = system.sliders.iter().map(|slider| slider.limit * system.force());
-        let pulls = system.frictions().map(|(_, _, friction)| friction.stiffness * system.force());
+        let pulls = system.pulls().map(|(friction, _)| friction.stiffness * system.force());
         displacements.chain(velocities).chain(forces).chain(pulls).collect()
     }
 }

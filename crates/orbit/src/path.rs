@@ -14,6 +14,8 @@ pub(crate) struct Piece {
     pub(crate) coefficients: Vec<f64>,
     /// Of every link; empty for smooth systems.
     pub(crate) elastic: Vec<Elastic>,
+    /// Forces that turn: link and φ as a polynomial in s.
+    pub(crate) turning: Vec<(usize, Polynomial)>,
 }
 
 /// Something that has events, by its number in the system.
@@ -59,6 +61,11 @@ impl Piece {
         out
     }
 
+    /// φ of a link whose force turns.
+    fn turning(&self, link: usize) -> Option<Polynomial> {
+        self.turning.iter().find(|(own, _)| *own == link).map(|(_, force)| *force)
+    }
+
     /// The derivative of y with respect to τ, `order` times, at s.
     pub(crate) fn state(&self, s: f64, order: usize, out: &mut [f64]) {
         let dofs = out.len();
@@ -99,14 +106,21 @@ pub(crate) fn force<'a>(system: &'a Scaled, piece: &Piece, c: usize) -> Along<'a
         let (rate, length) = (derivative(&u), piece.length);
         return Box::new(move |s| system.smooth(link, value(&u, s), value(&rate, s) / length).0);
     }
+    if let Some(force) = piece.turning(c) {
+        return Box::new(move |s| value(&force, s));
+    }
     let constant = piece.elastic.get(c).map_or(0.0, |elastic| elastic.constant);
     let parts = parts(system, piece, c);
     Box::new(move |s| parts.iter().map(|(k, u)| k * value(u, s)).sum::<f64>() + constant)
 }
 
-/// φ' of a link with a piecewise-linear force along a piece.
+/// φ' of a link without a smooth law along a piece.
 pub(crate) fn force_rate<'a>(system: &Scaled, piece: &Piece, c: usize) -> Along<'a> {
     let length = piece.length;
+    if let Some(force) = piece.turning(c) {
+        let rate = derivative(&force);
+        return Box::new(move |s| value(&rate, s) / length);
+    }
     let parts = parts(system, piece, c).map(|(k, u)| (k, derivative(&u)));
     Box::new(move |s| parts.iter().map(|(k, rate)| k * (value(rate, s) / length)).sum())
 }

@@ -4,6 +4,7 @@ use faer::Mat;
 
 use crate::error::OrbitError;
 use crate::flow::{Flow, Motion};
+use crate::links::Press;
 use crate::opening;
 use crate::path::{Element, Path};
 use crate::press::Touch;
@@ -37,12 +38,15 @@ impl<'a> Piecewise<'a> {
         self.flow.follow(until, None, Some(&mut path))?;
         self.flow.state(&mut end);
         // A slip that goes on from the period before does not begin at τ = 0.
-        let (sliders, touches) = (&self.flow.sliders, &self.flow.touches);
+        let (system, sliders, touches) = (self.flow.system, &self.flow.sliders, &self.flow.touches);
         path.events.retain(|event| {
             let direction = f64::from(event.direction);
             let slipping = match event.element {
                 Element::Slider(slider) => sliders.get(slider) == Some(&Motion::Slip { direction }),
-                Element::Press(press) => touches.get(press) == Some(&Touch::Slip { direction }),
+                Element::Press(press) => {
+                    let planar = system.presses.get(press).is_some_and(Press::is_planar);
+                    matches!(touches.get(press), Some(Touch::Slip { direction: [own, _] }) if planar || *own == direction)
+                }
             };
             event.tau > INSTANT || event.kind != EventKind::Slip || !slipping
         });
@@ -87,8 +91,8 @@ impl Map for Piecewise<'_> {
             let ends = system.links.get(slider.contact).map_or(&[][..], |link| &link.ends);
             1.0 / (1.0 + slider.gain * y * ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>())
         }));
-        weights.extend(system.frictions().map(|(_, _, friction)| {
-            let ends = system.links.get(friction.link).map_or(&[][..], |link| &link.ends);
+        weights.extend(system.pulls().map(|(_, link)| {
+            let ends = system.links.get(link).map_or(&[][..], |link| &link.ends);
             relative(y * ends.iter().map(|(_, beta)| beta.abs()).sum::<f64>())
         }));
     }
@@ -98,9 +102,16 @@ impl Map for Piecewise<'_> {
         let (motion, forces) = state.split_at_mut((2 * system.dofs).min(state.len()));
         let (sliders, pulls) = forces.split_at_mut(system.sliders.len().min(forces.len()));
         sliders.iter_mut().for_each(|force| *force = force.clamp(-1.0, 1.0));
-        for ((_, press, _), pull) in system.frictions().zip(pulls) {
-            let touch = opening::begin(press, &system.links, motion, *pull);
-            *pull = opening::pull(press, touch, &system.links, motion);
+        let mut rest = pulls;
+        for (_, press, friction) in system.frictions() {
+            let count = friction.links().count().min(rest.len());
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(count);
+            let pull = press.take_pull(&mut own.iter().copied());
+            let touch = opening::begin(press, &system.links, motion, pull);
+            own.iter_mut()
+                .zip(opening::pull(press, touch, &system.links, motion))
+                .for_each(|(own, pull)| *own = pull);
+            rest = others;
         }
     }
 }

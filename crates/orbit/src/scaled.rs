@@ -135,18 +135,17 @@ impl Scaled {
             && self.loads.iter().all(|load| load.harmonic % 2 == 1 || at_rest(load))
     }
 
-    /// Number of a press with friction among those with friction.
-    pub(crate) fn friction_index(&self, press: usize) -> Option<usize> {
-        self.presses.get(press)?.friction?;
-        Some(self.presses.iter().take(press).filter(|press| press.friction.is_some()).count())
-    }
-
     /// Presses with friction, with their numbers among all.
     pub(crate) fn frictions(&self) -> impl Iterator<Item = (usize, &Press, &Friction)> {
         self.presses
             .iter()
             .enumerate()
             .filter_map(|(index, press)| Some((index, press, press.friction.as_ref()?)))
+    }
+
+    /// One entry for every elongation of a tangential spring in a state: its friction and its link.
+    pub(crate) fn pulls(&self) -> impl Iterator<Item = (&Friction, usize)> {
+        self.frictions().flat_map(|(_, _, friction)| friction.links().map(move |link| (friction, link)))
     }
 
     /// Whether a contact has a smooth law: the motion is then integrated instead of followed by its events.

@@ -313,7 +313,7 @@ impl<'a> Smooth<'a> {
                 }
             }
         }
-        Piece { start, length: h, coefficients, elastic: Vec::new() }
+        Piece { start, length: h, coefficients, elastic: Vec::new(), turning: Vec::new() }
     }
 }
 

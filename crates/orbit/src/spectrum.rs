@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use num_complex::Complex64;
 
 use crate::dynamic_stiffness::{matrix, row_of_inverse};
-use crate::links::Elastic;
+use crate::links::{Elastic, Press};
 use crate::path::{Along, Path, Piece, force, force_rate};
 use crate::polynomial::value;
 use crate::quadrature::gauss_legendre;
@@ -50,7 +50,12 @@ pub(crate) fn force_coefficients(system: &Scaled, path: &Path, c: usize, highest
         return direct(path, highest, |piece| force(system, piece, c));
     }
     let rate = |piece: &Piece| force_rate(system, piece, c);
-    let mut out = closed(system, &modes(system, path), c, highest);
+    // Where a force turns there is no closed form.
+    let mut out = if system.presses.iter().any(Press::is_planar) {
+        vec![(Complex64::ZERO, f64::INFINITY); highest + 1]
+    } else {
+        closed(system, &modes(system, path), c, highest)
+    };
     let peak = peak(path, &rate);
     // Beyond this order quadrature is never better.
     let last = out.iter().enumerate().rposition(|(k, entry)| entry.1 > bound(peak) / (k.max(1)) as f64);

@@ -135,36 +135,50 @@ fn monodromy_has_the_units_of_the_state() {
     assert!(checked > 6 * n, "a slider sticks at t = 0");
 }
 
-/// Two joints between three dofs: one opens, one slips under a varying pressure, both stick at times.
-fn jointed() -> System {
+/// Two joints between three dofs: one opens, one slips under a varying pressure, both stick at times. In a plane where a second
+/// tangent is given.
+fn jointed(second: [Option<Vec<(usize, f64)>>; 2]) -> System {
     let free: Arc<dyn Law> = Arc::new(Linear::new(LinearParameters { stiffness: 1e4 }).unwrap());
-    let joint = |name: &str, directions, (tangential_stiffness, normal_stiffness), preload, gap| {
-        let parameters = FrictionContactParameters {
-            tangential_stiffness,
-            normal_stiffness,
-            friction_coefficient: 0.6,
-            preload,
-            gap,
+    let [first, other] = second;
+    let joint =
+        |name: &str, along, second, normal, (tangential_stiffness, normal_stiffness), preload, gap| {
+            let directions: Vec<_> = [Some(along), second, Some(normal)].into_iter().flatten().collect();
+            let parameters = FrictionContactParameters {
+                tangential_stiffness,
+                normal_stiffness,
+                friction_coefficient: 0.6,
+                preload,
+                gap,
+            };
+            let law = Arc::new(FrictionContact::new(parameters, directions.len() - 1).unwrap());
+            Joint { name: name.into(), directions, law, scale: 1.2 }
         };
-        let law = Arc::new(FrictionContact::new(parameters, 1).unwrap());
-        Joint { name: name.into(), directions, law, scale: 1.2 }
-    };
     let mut system = system([free.clone(), free]);
     system.joints = vec![
-        joint("opens", vec![vec![(0, 1.0), (1, -0.5)], vec![(1, 1.0)]], (1e6, 2e6), None, Some(-3e-6)),
-        joint("pressed", vec![vec![(2, 1.0)], vec![(0, 0.3), (1, 1.0)]], (2e6, 1e6), Some(5.0), None),
+        joint("opens", vec![(0, 1.0), (1, -0.5)], first, vec![(1, 1.0)], (1e6, 2e6), None, Some(-3e-6)),
+        joint("pressed", vec![(2, 1.0)], other, vec![(0, 0.3), (1, 1.0)], (2e6, 1e6), Some(5.0), None),
     ];
     system
 }
 
 #[test]
 fn the_derivative_of_the_map_with_joints_agrees_with_differences() {
-    let system = jointed();
+    check_joints(&jointed([None, None]), 8);
+}
+
+#[test]
+fn the_derivative_of_the_map_with_planar_joints_agrees_with_differences() {
+    check_joints(&jointed([Some(vec![(2, 1.3)]), None]), 9);
+    check_joints(&jointed([None, Some(vec![(0, 0.8), (1, -0.3)])]), 9);
+    check_joints(&jointed([Some(vec![(2, 1.3)]), Some(vec![(0, 0.8), (1, -0.3)])]), 10);
+}
+
+fn check_joints(system: &System, size: usize) {
     let (mut kinds, mut into_stick) = (Vec::new(), 0);
     for hertz in [30.0, 45.0, 70.0, 85.0, 100.0] {
-        let scaled = Scaled::new(&system, hertz).unwrap();
+        let scaled = Scaled::new(system, hertz).unwrap();
         let mut map = Piecewise::new(&scaled);
-        let mut state = settled(&mut map, 8);
+        let mut state = settled(&mut map, size);
         map.admit(&mut state);
         let events = map.record(&state, TAU).unwrap().0.events;
         kinds.extend(events.iter().map(|event| event.kind));

@@ -111,11 +111,6 @@ pub(crate) fn explain(scene: &Scene) -> Step {
         if let JointMechanism::None { why } = joint.law.mechanism() {
             return step(what, false, format!("contact {:?} has no state in time: {why}", joint.name));
         }
-        if joint.directions.len() != 2 {
-            let why =
-                format!("contact {:?} slides in two directions, in which orbits are not known", joint.name);
-            return step(what, false, why);
-        }
         remembers = true;
     }
     for contact in &scene.contacts.contacts {

@@ -12,7 +12,11 @@
 //! - [`step_until_periodic`]: what one does without harmonic balance, for comparison.
 //!
 //! The *truncation error* of a point is everywhere the same: the worst over the output dofs of the relative l2 error of
-//! the dof's displacement spectrum over all harmonics, those above N being zero in the truncated one.
+//! the dof's displacement spectrum over all harmonics, those above N being zero in the truncated one,
+//!
+//! ```math
+//! \varepsilon^2 = \max_\text{dofs} \frac{\sum_k |W_k - W_{k,\mathrm{true}}|^2}{\sum_k |W_{k,\mathrm{true}}|^2} .
+//! ```
 
 mod axis;
 mod cases;

@@ -43,12 +43,6 @@ pub fn stability(problem: &Problem, orders: &[usize], solution: &Solution) -> Re
         if let JointMechanism::None { why } = joint.law.mechanism() {
             return Err(format!("contact {:?} has no state in time: {why}", joint.name));
         }
-        if joint.directions.len() != 2 {
-            return Err(format!(
-                "contact {:?} slides in two directions, in which orbits are not known",
-                joint.name
-            ));
-        }
     }
     let dofs = problem.model.dofs();
     if dofs > MOST_DOFS {
@@ -82,18 +76,13 @@ pub fn stability(problem: &Problem, orders: &[usize], solution: &Solution) -> Re
     Ok(Stability::new(multipliers, ERROR * largest, StabilityMethod::Orbit))
 }
 
-/// Sliders that never slip; in a joint they rest only while it never opens.
+/// Directions in which sliders that never slip may rest anywhere: one each, in a joint as many as it has tangential ones.
 fn resting(problem: &Problem, orbit: &Orbit) -> usize {
-    let count = |(c, contact): (usize, &hbm::Contact)| {
-        let Mechanism::Sliders { sliders, .. } = contact.law.mechanism() else { return 0 };
-        let moves =
-            |slider: &usize| orbit.events().iter().any(|event| (event.contact, event.slider) == (c, *slider));
-        (0..sliders.len()).filter(|slider| !moves(slider)).count()
+    let directions = |&(contact, _): &(usize, usize)| {
+        let joint = contact.checked_sub(problem.contacts.len()).and_then(|joint| problem.joints.get(joint));
+        joint.map_or(1, |joint| joint.directions.len() - 1)
     };
-    let contacts = problem.contacts.len();
-    let still = |joint: &usize| orbit.events().iter().all(|event| event.contact != contacts + joint);
-    let joints = (0..problem.joints.len()).filter(still).count();
-    problem.contacts.iter().enumerate().map(count).sum::<usize>() + joints
+    orbit.locked_sliders().iter().map(directions).sum()
 }
 
 /// Spectra of all dofs, from loads and contact forces: H_k w_k = f_k + B F_k with F on the first bodies.

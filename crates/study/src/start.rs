@@ -30,11 +30,13 @@ pub(crate) fn state(
         }
     }
     for (joint, report) in system.joints.iter().zip(&solution.joints) {
-        if let (JointMechanism::Friction { .. }, [tangential, _]) =
+        if let (JointMechanism::Friction { .. }, [tangential @ .., _]) =
             (joint.law.mechanism(), report.directions.as_slice())
         {
             // The force on the first body at t = 0; a slider's is against it.
-            state.sliders.push(-tangential.force.iter().map(|amplitude| amplitude.re).sum::<f64>());
+            let force =
+                |direction: &hbm::DirectionSolution| -direction.force.iter().map(|f| f.re).sum::<f64>();
+            state.sliders.extend(tangential.iter().map(force));
         }
     }
     state

@@ -128,9 +128,8 @@ impl<'s> Truths<'s> {
         };
         let plan = Plan::new(&problem, &settings)?;
         let mechanism = |contact: &hbm::Contact| !matches!(contact.law.mechanism(), Mechanism::None { .. });
-        let joint_mechanism = |joint: &hbm::Joint| {
-            !matches!(joint.law.mechanism(), JointMechanism::None { .. }) && joint.directions.len() == 2
-        };
+        let joint_mechanism =
+            |joint: &hbm::Joint| !matches!(joint.law.mechanism(), JointMechanism::None { .. });
         let has_orbits = problem.contacts.iter().all(mechanism) && problem.joints.iter().all(joint_mechanism);
         Ok(Self { posed, plan, harmonics, highest: (BEYOND * (largest + 1)).max(512), has_orbits })
     }
