@@ -399,3 +399,91 @@ fn random_joints_are_followed() {
     println!("{found} found, {stuck} stuck, {lost:#?}");
     assert!(found > 30 && lost.is_empty(), "{found} found, {stuck} stuck, {lost:#?}");
 }
+
+/// Motion followed in time comes to its end as the largest multipliers say: its distances x from there, period by period, obey
+/// `x_{k+2} = (μ₁ + μ₂) x_{k+1} − μ₁ μ₂ x_k` once the others have died out.
+#[test]
+fn disturbances_decay_as_the_multipliers_say() {
+    for (preload, hertz) in [(18.0, 60.0), (5.0, 70.0)] {
+        let parameters = preloaded(preload);
+        let mut system = planar(parameters);
+        system.damping = mat![[30.0, 0.0, 0.0], [0.0, 120.0, 0.0], [0.0, 0.0, 250.0]];
+        let orbit = orbit(&system, hertz);
+        let multipliers = orbit.multipliers().unwrap();
+        println!("{preload} N: {multipliers:?}");
+        let mut truth = Planar::new(&system, &parameters, hertz);
+        // Every second period.
+        let periods: Vec<Vec<f64>> =
+            (0..60).map(|_| truth.periodic(256, 0.0, 2).displacement.concat()).collect();
+        let end = periods.last().unwrap();
+        let apart: Vec<Vec<f64>> =
+            periods.iter().map(|row| row.iter().zip(end).map(|(a, b)| a - b).collect()).collect();
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let size = dot(end, end).sqrt();
+        let small = apart.iter().position(|x| dot(x, x).sqrt() < 1e-6 * size).unwrap();
+        let [a, b, c] = [0, 1, 2].map(|j| &apart[small + j][..]);
+        // Least squares for c = sum · b − product · a.
+        let (aa, ab, bb, ac, bc) = (dot(a, a), dot(a, b), dot(b, b), dot(a, c), dot(b, c));
+        let determinant = aa * bb - ab * ab;
+        let (sum, product) = ((aa * bc - ab * ac) / determinant, -(bb * ac - ab * bc) / determinant);
+        let expected = [0, 1].map(|j| multipliers[j] * multipliers[j]);
+        println!(
+            "{preload} N: {sum} {product}, expected {} {}",
+            expected[0] + expected[1],
+            expected[0] * expected[1]
+        );
+        assert!((sum - (expected[0] + expected[1]).re).abs() < 1e-6, "{preload} N");
+        assert!((product - (expected[0] * expected[1]).re).abs() < 1e-6, "{preload} N");
+    }
+}
+
+/// A contact that sticks beside a slider that slips, with loads that have a mean: in a line or in a plane.
+fn stuck_beside_slip(preload: f64, tangential: usize) -> System {
+    let (mut system, _) = mixture(preload);
+    system.contacts.truncate(1);
+    system.joints.truncate(1);
+    let joint = &mut system.joints[0];
+    joint.law = Arc::new(FrictionContact::new(preloaded(preload), tangential).unwrap());
+    if tangential == 1 {
+        joint.directions.remove(1);
+    }
+    system.loads[3].amplitude *= 3.0;
+    system.loads.extend([load(0, 0, 4.0), load(1, 0, -3.0), load(0, 2, 5.0)]);
+    system
+}
+
+/// Of all places that repeat themselves the slider takes the one that the balance takes: its mean where that is within reach at every
+/// instant, so that there is no mean friction, else the nearest to it.
+#[test]
+fn a_contact_that_sticks_rests_where_the_balance_says() {
+    for tangential in [1, 2] {
+        let mut at_edge = 0;
+        for preload in [300.0, 150.0, 146.0, 142.0, 138.0, 134.0, 130.0, 126.0, 80.0, 74.0, 70.0, 66.0, 63.0]
+        {
+            let system = stuck_beside_slip(preload, tangential);
+            let orbit = orbit(&system, 60.0);
+            let locked = orbit.locked_sliders();
+            let problem = stickslip_tests::joint_models::balanced(&system);
+            let settings = hbm::Settings { samples: Some(1 << 12), ..hbm::Settings::new(31) };
+            let plan = hbm::Plan::new(&problem, &settings).unwrap();
+            let solution = plan.solve(60.0, &mut plan.workspace());
+            let friction: Vec<f64> =
+                (0..tangential).map(|d| orbit.joint_force_spectrum(0, d, 0)[0].re).collect();
+            let balance: Vec<f64> =
+                (0..tangential).map(|d| solution.joints[0].directions[d].force[0].re).collect();
+            println!(
+                "{tangential} {preload} N: {locked:?} {friction:?} {balance:?} {:?}",
+                solution.joints[0].state
+            );
+            if locked.is_empty() {
+                continue;
+            }
+            for (own, other) in friction.iter().zip(&balance) {
+                assert!((own - other).abs() < 1e-4, "{preload} N: {own} {other}");
+            }
+            at_edge += usize::from(friction.iter().any(|f| f.abs() > 1e-3));
+            assert_eq!(orbit.joint_dissipation(0), 0.0);
+        }
+        println!("{at_edge} at the edge");
+    }
+}
