@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use orbit::{EventKind, Joint, Load, Orbit, OrbitError, Settings, System, find};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use stickslip_tests::joint_models::{JOINT, one_mass, planar, preloaded, with_gap};
+use stickslip_tests::joint_models::{JOINT, balanced, one_mass, planar, preloaded, with_gap};
 use stickslip_tests::orbit_models::{contact, load, orbit};
 use stickslip_tests::planar_truth::{Period, Planar};
 
@@ -374,7 +374,7 @@ fn random_joints_are_followed() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let mut between = |low: f64, high: f64| low * (high / low).powf(random.random::<f64>());
     let (mut found, mut stuck, mut lost) = (0, 0, Vec::new());
-    for scene in 0..50 {
+    for scene in 0..30 {
         let parameters = FrictionContactParameters {
             tangential_stiffness: between(1e4, 1e7),
             normal_stiffness: between(1e5, 1e8),
@@ -397,7 +397,7 @@ fn random_joints_are_followed() {
         }
     }
     println!("{found} found, {stuck} stuck, {lost:#?}");
-    assert!(found > 30 && lost.is_empty(), "{found} found, {stuck} stuck, {lost:#?}");
+    assert!(found > 18 && lost.is_empty(), "{found} found, {stuck} stuck, {lost:#?}");
 }
 
 /// Motion followed in time comes to its end as the largest multipliers say: its distances x from there, period by period, obey
@@ -453,37 +453,36 @@ fn stuck_beside_slip(preload: f64, tangential: usize) -> System {
 }
 
 /// Of all places that repeat themselves the slider takes the one that the balance takes: its mean where that is within reach at every
-/// instant, so that there is no mean friction, else the nearest to it.
+/// instant, so that there is no mean friction, else the nearest to it. In a plane the balance knows the reach at its samples alone.
 #[test]
 fn a_contact_that_sticks_rests_where_the_balance_says() {
-    for tangential in [1, 2] {
+    for (tangential, preloads) in [(1, [150.0, 74.0, 66.0]), (2, [150.0, 134.0, 126.0])] {
         let mut at_edge = 0;
-        for preload in [300.0, 150.0, 146.0, 142.0, 138.0, 134.0, 130.0, 126.0, 80.0, 74.0, 70.0, 66.0, 63.0]
-        {
+        for preload in preloads {
             let system = stuck_beside_slip(preload, tangential);
             let orbit = orbit(&system, 60.0);
-            let locked = orbit.locked_sliders();
-            let problem = stickslip_tests::joint_models::balanced(&system);
-            let settings = hbm::Settings { samples: Some(1 << 12), ..hbm::Settings::new(31) };
-            let plan = hbm::Plan::new(&problem, &settings).unwrap();
-            let solution = plan.solve(60.0, &mut plan.workspace());
-            let friction: Vec<f64> =
-                (0..tangential).map(|d| orbit.joint_force_spectrum(0, d, 0)[0].re).collect();
-            let balance: Vec<f64> =
-                (0..tangential).map(|d| solution.joints[0].directions[d].force[0].re).collect();
-            println!(
-                "{tangential} {preload} N: {locked:?} {friction:?} {balance:?} {:?}",
-                solution.joints[0].state
-            );
-            if locked.is_empty() {
-                continue;
-            }
-            for (own, other) in friction.iter().zip(&balance) {
-                assert!((own - other).abs() < 1e-4, "{preload} N: {own} {other}");
-            }
-            at_edge += usize::from(friction.iter().any(|f| f.abs() > 1e-3));
+            assert_eq!(orbit.locked_sliders(), [(1, 0)], "{preload} N");
             assert_eq!(orbit.joint_dissipation(0), 0.0);
+            let friction =
+                [0, 1].map(|d| if d < tangential { orbit.joint_force_spectrum(0, d, 0)[0].re } else { 0.0 });
+            let problem = balanced(&system);
+            let errors = [1 << 10, 1 << 13].map(|samples| {
+                let settings = hbm::Settings { samples: Some(samples), ..hbm::Settings::new(31) };
+                let plan = hbm::Plan::new(&problem, &settings).unwrap();
+                let solution = plan.solve(60.0, &mut plan.workspace());
+                let directions = &solution.joints[0].directions;
+                let other = [0, 1].map(|d| if d < tangential { directions[d].force[0].re } else { 0.0 });
+                length([0, 1].map(|d| friction[d] - other[d]))
+            });
+            println!("{tangential}, {preload} N: {friction:?}, {errors:?}");
+            assert!(errors[1] < 1e-5 + 2e-4 * length(friction), "{preload} N: {errors:?}");
+            if length(friction) > 1e-3 {
+                at_edge += 1;
+                assert!(tangential == 1 || errors[1] < 0.5 * errors[0], "{preload} N: {errors:?}");
+            } else {
+                assert!(length(friction) < 1e-11 && errors[1] < 1e-11, "{preload} N: {friction:?}");
+            }
         }
-        println!("{at_edge} at the edge");
+        assert!(at_edge == 1 || at_edge == 2, "{tangential}: {at_edge}");
     }
 }

@@ -88,7 +88,8 @@ pub(crate) fn settle(map: &mut Piecewise, closed: Closed, closure: f64) -> Resul
     };
     let mut now = Trial { places: places(&closed, &path), closed, path };
     let count = flat(&now.places, Place::missed).len();
-    let mut slope = Mat::from_fn(count, count, |i, j| if i == j { -1.0 } else { 0.0 });
+    let response = Response::new(system, &resting, &now.path);
+    let mut slope = response.slope(count);
     for _ in 0..MOST_STEPS {
         if now.places.iter().all(|place| place.is_within(NEAR)) {
             return Ok(now.closed);
@@ -99,7 +100,7 @@ pub(crate) fn settle(map: &mut Piecewise, closed: Closed, closure: f64) -> Resul
         let step: Vec<f64> = step.col(0).iter().copied().collect();
         let mut next = None;
         for share in [1.0, 0.5, 0.2, 0.05] {
-            let start = shifted(system, &resting, &now, &step, share);
+            let start = response.shifted(&now.closed.state, &step, share);
             let Some(closed) = again(map, &start, &now.closed, closure) else { continue };
             let path = map.record(&closed.state, TAU)?.0;
             if self::resting(system, &path).iter().map(|s| &s.entries).eq(resting.iter().map(|s| &s.entries))
@@ -219,40 +220,76 @@ impl Resting {
     }
 }
 
-/// A state near the orbit whose sliders rest `share · step` away: moved by what that does to the means of all dofs, with the mean
-/// stiffness of the links.
-fn shifted(system: &Scaled, resting: &[Resting], now: &Trial, step: &[f64], share: f64) -> Vec<f64> {
-    let n = system.dofs;
-    let mut stiffness = Mat::from_fn(n, n, |i, j| system.stiffness.get(i * n + j).copied().unwrap_or(0.0));
-    for (index, link) in system.links.iter().enumerate() {
-        let over = |piece: &Piece| piece.elastic.get(index).map_or(0.0, |e| e.stiffness * piece.length);
-        let mean = now.path.pieces.iter().map(over).sum::<f64>() / TAU;
-        for &(i, a) in &link.ends {
-            for &(j, b) in &link.ends {
-                stiffness[(i, j)] += mean * a * b;
+/// What a shift of the sliders does to the means of all dofs: (C + Σ k̄ β βᵀ) δȳ = Σ k_t β δs with the mean stiffness k̄ of the links,
+/// to which sliders that slip give nothing, since they follow.
+struct Response<'a> {
+    system: &'a Scaled,
+    /// Slider, link and entry in the state of every coordinate.
+    coordinates: Vec<(&'a Resting, usize, usize)>,
+    /// δȳ by each coordinate; zero where the stiffness is singular.
+    means: Vec<Vec<f64>>,
+}
+
+impl<'a> Response<'a> {
+    fn new(system: &'a Scaled, resting: &'a [Resting], path: &Path) -> Self {
+        let n = system.dofs;
+        let own = |i: usize, j: usize| system.stiffness.get(i * n + j).copied().unwrap_or(0.0);
+        let mut stiffness = Mat::from_fn(n, n, own);
+        for (index, link) in system.links.iter().enumerate() {
+            let over = |piece: &Piece| piece.elastic.get(index).map_or(0.0, |e| e.stiffness * piece.length);
+            let presses = system.presses.iter().any(|press| press.normal == index);
+            let whole = path.pieces.iter().filter(|_| presses).map(over).sum::<f64>() / TAU;
+            let own = resting.iter().filter(|slider| slider.links.contains(&index));
+            let mean = link.spring + whole + own.map(|slider| slider.stiffness).sum::<f64>();
+            for &(i, a) in &link.ends {
+                for &(j, b) in &link.ends {
+                    stiffness[(i, j)] += mean * a * b;
+                }
             }
         }
+        let coordinates = resting.iter().flat_map(|slider| {
+            slider.links.iter().zip(&slider.entries).map(move |(link, entry)| (slider, *link, *entry))
+        });
+        let coordinates: Vec<_> = coordinates.collect();
+        let factors = stiffness.partial_piv_lu();
+        let mean = |(slider, link, _): &(&Resting, usize, usize)| -> Vec<f64> {
+            let mut force = Mat::zeros(n, 1);
+            for &(i, a) in system.links.get(*link).map_or(&[][..], |link| &link.ends) {
+                force[(i, 0)] += slider.stiffness * a;
+            }
+            let found: Vec<f64> = factors.solve(&force).col(0).iter().copied().collect();
+            if found.iter().all(|y| y.is_finite()) { found } else { vec![0.0; n] }
+        };
+        let means = coordinates.iter().map(mean).collect();
+        Self { system, coordinates, means }
     }
-    let pairs = resting.iter().flat_map(|slider| {
-        slider.links.iter().zip(&slider.entries).map(move |(link, entry)| (slider, *link, *entry))
-    });
-    let pairs: Vec<_> = pairs.zip(step).map(|(pair, step)| (pair, share * step)).collect();
-    let mut force = Mat::zeros(n, 1);
-    for ((slider, link, _), step) in &pairs {
-        for &(i, a) in system.links.get(*link).map_or(&[][..], |link| &link.ends) {
-            force[(i, 0)] += slider.stiffness * step * a;
+
+    fn relative(&self, link: usize, y: &[f64]) -> f64 {
+        self.system.links.get(link).map_or(0.0, |link| link.relative(y))
+    }
+
+    /// ∂(ū − s)/∂s, where the mean is the place.
+    fn slope(&self, count: usize) -> Mat<f64> {
+        Mat::from_fn(count, count, |i, j| {
+            let (link, mean) = (self.coordinates.get(i).map(|c| c.1), self.means.get(j));
+            let moved = link.zip(mean).map_or(0.0, |(link, mean)| self.relative(link, mean));
+            moved - if i == j { 1.0 } else { 0.0 }
+        })
+    }
+
+    /// `state` with the sliders `share · step` away.
+    fn shifted(&self, state: &[f64], step: &[f64], share: f64) -> Vec<f64> {
+        let mut means = vec![0.0; self.system.dofs];
+        for (own, step) in self.means.iter().zip(step) {
+            means.iter_mut().zip(own).for_each(|(sum, y)| *sum += share * step * y);
         }
-    }
-    let found = stiffness.partial_piv_lu().solve(&force);
-    let found: Vec<f64> = found.col(0).iter().copied().collect();
-    let means = if found.iter().all(|y| y.is_finite()) { found } else { vec![0.0; n] };
-    let mut state = now.closed.state.clone();
-    state.iter_mut().zip(&means).for_each(|(y, mean)| *y += mean);
-    for ((slider, link, entry), step) in pairs {
-        let u = system.links.get(link).map_or(0.0, |link| link.relative(&means));
-        if let Some(slot) = state.get_mut(entry) {
-            *slot += slider.gain * (u - step);
+        let mut state = state.to_vec();
+        state.iter_mut().zip(&means).for_each(|(y, mean)| *y += mean);
+        for ((slider, link, entry), step) in self.coordinates.iter().zip(step) {
+            if let Some(slot) = state.get_mut(*entry) {
+                *slot += slider.gain * (self.relative(*link, &means) - share * step);
+            }
         }
+        state
     }
-    state
 }
