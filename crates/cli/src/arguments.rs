@@ -1,5 +1,7 @@
 //! What can be asked for: commands, flags and their help.
 
+#[cfg(feature = "report")]
+mod reports;
 mod studies;
 
 use std::num::NonZeroUsize;
@@ -9,6 +11,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use hysteresis::{Columns, ForceSign, ReadOptions, Units};
 use scene::{Frequencies, Harmonics, Scene};
 
+#[cfg(feature = "report")]
+pub use reports::ReportArguments;
 pub use studies::{
     BackboneArguments, ContinueArguments, MergeArguments, OrbitArguments, PeaksArguments, Quantity,
     StudyArguments, StudyResultArguments, TruncationArguments,
@@ -29,6 +33,7 @@ Examples:
   stickslip peaks scene.json --vary /contacts/0/law/slip_force --from 1 --to 100 --log
                                                    the best slip force of a damper
   stickslip study damper.json -o peaks.csv         a grid over entries of a scene
+  stickslip report response.json -o report.html    a page to look at it in a browser
   stickslip loop fit record.csv                    what is in a measured loop
   stickslip loop scale loops/*.csv                 how loops scale with their amplitude
 
@@ -80,17 +85,23 @@ pub enum Command {
     /// Put the parts of a study together that several machines solved
     #[command(after_help = studies::MERGE)]
     Merge(MergeArguments),
+    /// Show results as one HTML page: curves, loops, waveforms, error estimates
+    #[cfg(feature = "report")]
+    #[command(after_help = reports::REPORT)]
+    Report(ReportArguments),
     /// Look at measured friction loops
     #[command(subcommand, arg_required_else_help = true)]
     Loop(LoopCommand),
     /// Write an example scene and its loop into the current folder
     #[command(after_help = "Example:\n  stickslip init two-mass && stickslip sweep two-mass.json")]
     Init(InitArguments),
-    /// Print the JSON Schema of a scene, for editors
-    #[command(
-        after_help = "Example:\n  stickslip schema > scene.schema.json\n\nA scene that begins with \"$schema\": \"scene.schema.json\" is then completed and checked while it is written."
-    )]
-    Schema,
+    /// Print the JSON Schema of a scene or a study, for editors
+    #[command(after_help = SCHEMA)]
+    Schema {
+        /// Of which file
+        #[arg(value_enum, default_value = "scene")]
+        of: Described,
+    },
     /// Print the completions of a shell
     #[command(
         after_help = "Example:\n  stickslip completions bash > ~/.local/share/bash-completion/completions/stickslip"
@@ -100,12 +111,29 @@ pub enum Command {
         shell: clap_complete::Shell,
     },
     /// Print the manual page
-    #[command(after_help = "Examples:\n  stickslip man | man -l -\n  stickslip man sweep | man -l -")]
+    #[command(after_help = MAN)]
     Man {
         /// The page of one command
-        command: Option<String>,
+        command: Vec<String>,
+        /// Write the pages of all commands into FOLDER instead
+        #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
+        all: Option<PathBuf>,
     },
 }
+
+const SCHEMA: &str = "\
+Examples:
+  stickslip schema > scene.schema.json
+  stickslip schema study > study.schema.json
+
+A scene that begins with \"$schema\": \"scene.schema.json\" is then completed and checked while it is written; a study likewise.";
+
+const MAN: &str = "\
+Examples:
+  stickslip man | man -l -
+  stickslip man sweep | man -l -
+  stickslip man loop fit | man -l -
+  stickslip man --all ~/.local/share/man/man1";
 
 const SWEEP: &str = "\
 To a terminal without -o a short table is printed: peaks, worst points, time. Everything else gets the full result.
@@ -331,6 +359,15 @@ pub struct InitArguments {
     pub force: bool,
 }
 
+/// Files with a schema.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Described {
+    /// A structure, its contacts, its excitation
+    Scene,
+    /// A grid over entries of a scene
+    Study,
+}
+
 /// Forms of a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
@@ -387,6 +424,9 @@ pub enum Template {
     ElasticCoulomb,
     /// Two masses with a hardening spring and a bent resonance
     Cubic,
+    /// The paper's Fig. 4: a measured loop, and elastic Coulomb friction beside it
+    #[value(name = "hoffmann-2017")]
+    Hoffmann2017,
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ mod orbit;
 mod output;
 mod peak;
 mod progress;
+#[cfg(feature = "report")]
+mod report;
 mod study;
 mod summary;
 mod sweep;
@@ -25,7 +27,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use crate::arguments::{Arguments, Command, LoopCommand};
+use crate::arguments::{Arguments, Command, Described, LoopCommand};
 use crate::ending::{Ending, Failure, say};
 
 fn main() -> ExitCode {
@@ -60,11 +62,15 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Peaks(arguments) => peak::run(arguments),
         Command::Study(arguments) => study::run(arguments),
         Command::Merge(arguments) => study::merge(arguments),
+        #[cfg(feature = "report")]
+        Command::Report(arguments) => report::run(arguments),
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
         Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),
         Command::Init(arguments) => init::run(arguments),
-        Command::Schema => output::print(scene::SCHEMA),
+        Command::Schema { of: Described::Scene } => output::print(scene::SCHEMA),
+        Command::Schema { of: Described::Study } => output::print(::study::SCHEMA),
         Command::Completions { shell } => manual::completions(*shell),
-        Command::Man { command } => manual::page(command.as_deref()),
+        Command::Man { all: Some(folder), .. } => manual::pages(folder),
+        Command::Man { command, all: None } => manual::page(command),
     }
 }

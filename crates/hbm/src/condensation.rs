@@ -23,10 +23,11 @@ use std::ops::Range;
 
 use faer::{Mat, c64};
 
+use crate::facts::Receptances;
+use crate::ground_paths::paths_to_ground;
 use crate::harmonics::Harmonics;
 use crate::matrices::{Additions, Factor, Matrices};
 use crate::modal::{Modal, ModalBuffers};
-use crate::plan::Receptances;
 use crate::problem::{Contact, ExcitationKind, Joint, Problem};
 use crate::rows::Rows;
 
@@ -42,9 +43,6 @@ const NEARLY_SINGULAR: f64 = 1e-11;
 /// Below this fraction springs are lent: the receptance would lose digits that the balance has.
 const ILL_CONDITIONED: f64 = 1e-3;
 
-/// Contacts so much stiffer than the structure at them need springs lent.
-const MUCH_STIFFER: f64 = 1e5;
-
 /// A fraction below which everything lies.
 const ALWAYS: f64 = f64::INFINITY;
 
@@ -59,19 +57,19 @@ pub(crate) struct Load {
 /// The parts of a problem that do not change with frequency.
 #[derive(Debug)]
 pub(crate) struct Structure {
-    matrices: Matrices,
+    pub(crate) matrices: Matrices,
     /// Modes that make a factorisation unnecessary at most frequencies.
-    modal: Option<Modal>,
-    rows: Rows,
+    pub(crate) modal: Option<Modal>,
+    pub(crate) rows: Rows,
     /// Of the law of each row in N/m; infinite where it has no stiffness of its own.
-    row_stiffness: Vec<f64>,
-    outputs: Vec<usize>,
+    pub(crate) row_stiffness: Vec<f64>,
+    pub(crate) outputs: Vec<usize>,
     /// For each output dof that contacts tie to the ground: the contacts on the way and their signs.
     paths: Vec<Option<Vec<(usize, f64)>>>,
     /// Harmonics of Ω, one a slot.
-    orders: Vec<usize>,
+    pub(crate) orders: Vec<usize>,
     /// Excitation of each slot.
-    loads: Vec<Vec<Load>>,
+    pub(crate) loads: Vec<Vec<Load>>,
 }
 
 /// The structure at one frequency, in SI units; buffers are reused.
@@ -99,11 +97,11 @@ pub(crate) struct Condensed {
     pub(crate) self_excitation: f64,
     /// Whether the structure alone is singular, entry `[slot]`.
     pub(crate) singular: Vec<bool>,
-    factor: Factor,
-    modal: ModalBuffers,
+    pub(crate) factor: Factor,
+    pub(crate) modal: ModalBuffers,
     /// Right-hand sides of one block.
-    rhs: Mat<c64>,
-    scale: Vec<f64>,
+    pub(crate) rhs: Mat<c64>,
+    pub(crate) scale: Vec<f64>,
 }
 
 /// Stiffness of a contact in N/m where its law changes its character, or everywhere.
@@ -122,65 +120,6 @@ fn joint_stiffness(joint: &Joint) -> impl Iterator<Item = f64> {
         let stiffness = joint.law.stiffness(direction) * joint.scale;
         if stiffness > 0.0 { stiffness } else { f64::INFINITY }
     })
-}
-
-/// The shortest chain of contacts from every output dof to the ground, where there is one.
-fn paths_to_ground<M>(problem: &Problem<M>, dofs: usize) -> Vec<Option<Vec<(usize, f64)>>> {
-    // The contact by which a dof was reached first, and the dof before it on the way from the ground.
-    let mut reached: Vec<Option<(usize, f64, Option<usize>)>> = vec![None; dofs];
-    let mut beside: Vec<Vec<(usize, f64, usize)>> = vec![Vec::new(); dofs];
-    let mut front = Vec::new();
-    for (c, contact) in problem.contacts.iter().enumerate() {
-        match contact.second {
-            None if reached[contact.first].is_none() => {
-                reached[contact.first] = Some((c, 1.0, None));
-                front.push(contact.first);
-            }
-            None => {}
-            Some(second) => {
-                beside[second].push((c, 1.0, contact.first));
-                beside[contact.first].push((c, -1.0, second));
-            }
-        }
-    }
-    while !front.is_empty() {
-        // Of several contacts that reach a dof after as many steps the first one counts.
-        let mut next: Vec<(usize, f64, usize, usize)> = front
-            .iter()
-            .flat_map(|&from| beside[from].iter().map(move |&(c, sign, to)| (c, sign, from, to)))
-            .filter(|&(.., to)| reached[to].is_none())
-            .collect();
-        next.sort_by_key(|&(c, ..)| c);
-        front.clear();
-        for (c, sign, from, to) in next {
-            if reached[to].is_none() {
-                reached[to] = Some((c, sign, Some(from)));
-                front.push(to);
-            }
-        }
-    }
-    let path = |&output: &usize| {
-        let mut path = Vec::new();
-        let mut dof = output;
-        loop {
-            let (c, sign, before) = reached[dof]?;
-            path.push((c, sign));
-            match before {
-                Some(before) => dof = before,
-                None => break,
-            }
-        }
-        // From the ground on.
-        path.reverse();
-        Some(path)
-    };
-    problem.output.iter().map(path).collect()
-}
-
-/// The relative displacement of a row, from that of the dofs.
-#[inline]
-fn across(parts: &[(usize, f64)], at: impl Fn(usize) -> c64) -> c64 {
-    parts.iter().map(|&(dof, coefficient)| at(dof) * coefficient).sum()
 }
 
 impl Structure {
@@ -354,7 +293,7 @@ impl Structure {
     }
 
     /// Factors the dynamic stiffness with the springs lent to one slot.
-    fn factor(&self, omega: f64, slot: usize, into: &mut Condensed) {
+    pub(crate) fn factor(&self, omega: f64, slot: usize, into: &mut Condensed) {
         let Condensed { factor, scale, lent, added_damping, self_excitation, rows, .. } = into;
         let springs = &lent[slot * *rows..(slot + 1) * *rows];
         let additions = Additions {
@@ -376,148 +315,6 @@ impl Structure {
             let stiffness = if stiff { structure } else { structure.min(*own) };
             into.lent[slot * into.rows + l] =
                 if omega == 0.0 { c64::from(stiffness) } else { c64::new(0.0, stiffness) };
-        }
-    }
-
-    /// `∂u/∂Ω` of the rows in m s at forces that do not change, entry `[slot][i]`: with the motion w of all dofs under
-    /// the forces `felt` in N (entry `[slot][l]`), `∂w/∂Ω = H⁻¹ (∂f/∂Ω − ∂H/∂Ω w)`. Springs stay lent as they are.
-    pub(crate) fn frequency_slope(&self, hertz: f64, felt: &[c64], into: &mut Condensed, slope: &mut [c64]) {
-        let base = std::f64::consts::TAU * hertz;
-        let (n, rows) = (self.matrices.dofs(), into.rows);
-        for (slot, &order) in self.orders.iter().enumerate().take(slope.len() / rows.max(1)) {
-            let k = order as f64;
-            let omega = k * base;
-            self.factor(omega, slot, into);
-            let Condensed { rhs, scale, factor, .. } = &mut *into;
-            let loads = self.loads.get(slot).map_or(&[][..], |loads| loads);
-            rhs.fill(c64::ZERO);
-            for load in loads {
-                let growth = if load.grows { base * base } else { 1.0 };
-                rhs[(load.dof, 0)] += load.amplitude * (growth * scale[load.dof]);
-            }
-            for (l, parts) in self.rows.iter().enumerate() {
-                let force = felt[slot * rows + l];
-                for &(dof, coefficient) in parts {
-                    rhs[(dof, 0)] -= force * (coefficient * scale[dof]);
-                }
-            }
-            factor.solve(rhs.as_mut().subcols_mut(0, 1));
-            let w: Vec<c64> = (0..n).map(|i| rhs[(i, 0)] * scale[i]).collect();
-            rhs.fill(c64::ZERO);
-            for load in loads.iter().filter(|load| load.grows) {
-                rhs[(load.dof, 0)] += load.amplitude * (2.0 * base * scale[load.dof]);
-            }
-            for (i, change) in self.matrices.slope_times(k, omega, &w).into_iter().enumerate() {
-                rhs[(i, 0)] -= change * scale[i];
-            }
-            factor.solve(rhs.as_mut().subcols_mut(0, 1));
-            for (i, parts) in self.rows.iter().enumerate() {
-                slope[slot * rows + i] = across(parts, |dof| rhs[(dof, 0)] * scale[dof]);
-            }
-        }
-    }
-
-    /// Responses of harmonic `slot` from the modes; whether they are good enough.
-    fn respond_by_modes(&self, slot: usize, base: f64, into: &mut Condensed) -> bool {
-        let Some(modal) =
-            self.modal.as_ref().filter(|_| (into.added_damping, into.self_excitation) == (0.0, 0.0))
-        else {
-            return false;
-        };
-        let (rows, outputs) = (into.rows, into.outputs);
-        let Condensed { modal: buffers, receptance, recovery, free, free_output, .. } = into;
-        let Matrices::Dense { mass, damping, stiffness } = &self.matrices else { return false };
-        let omega = self.orders[slot] as f64 * base;
-        if !modal.respond(omega, buffers) {
-            return false;
-        }
-        let [re, im] = &buffers.receptance;
-        // A contact much stiffer than the structure is felt in digits that a receptance without springs does not have.
-        let stiff = |i: usize| {
-            let stiffness = if self.row_stiffness[i].is_finite() { self.row_stiffness[i] } else { 0.0 };
-            re[(i, i)].hypot(im[(i, i)]) * stiffness > MUCH_STIFFER
-        };
-        if (0..rows).any(stiff) {
-            return false;
-        }
-        for i in 0..rows {
-            let row = &mut receptance[(slot * rows + i) * rows..][..rows];
-            for (l, entry) in row.iter_mut().enumerate() {
-                let (high, low) = (i.max(l), i.min(l));
-                *entry = c64::new(re[(high, low)], im[(high, low)]);
-            }
-        }
-        let [re, im] = &buffers.recovery;
-        for o in 0..outputs {
-            let row = &mut recovery[(slot * outputs + o) * rows..][..rows];
-            for (l, entry) in row.iter_mut().enumerate() {
-                *entry = c64::new(re[(o, l)], im[(o, l)]);
-            }
-        }
-        let own = &mut free[slot * rows..(slot + 1) * rows];
-        modal.free(slot, base, buffers, own, &mut free_output[slot * outputs..(slot + 1) * outputs]);
-        // Contacts push where the excitation moves them, as hard as it takes to stop them; higher harmonics likewise.
-        let excited = self.loads.iter().position(|loads| !loads.is_empty()).filter(|first| *first <= slot);
-        let moved = excited.map(|first| &free[first * rows..(first + 1) * rows]);
-        let held = |l: usize| {
-            let own = receptance[(slot * rows + l) * rows + l];
-            moved
-                .and_then(|moved| moved.get(l))
-                .map_or(c64::ONE, |moved| if own == c64::ZERO { own } else { moved / own })
-        };
-        let pushes = self.rows.iter().enumerate().flat_map(|(l, parts)| {
-            let force = held(l);
-            parts.iter().map(move |&(dof, coefficient)| (dof, force * coefficient))
-        });
-        let loads = self.loads.get(slot).into_iter().flatten();
-        let excitation = loads.map(|load| {
-            let grown = if load.grows { base * base } else { 1.0 };
-            (load.dof, load.amplitude * grown)
-        });
-        modal.solves(omega, [mass, damping, stiffness], excitation.chain(pushes), buffers)
-    }
-
-    /// Responses of harmonic `slot` to a unit force in every row and to the excitation.
-    fn respond(&self, slot: usize, base: f64, into: &mut Condensed) {
-        let (rows, outputs) = (into.rows, into.outputs);
-        let loads = self.loads.get(slot).map_or(&[][..], |loads| loads);
-        if loads.is_empty() {
-            into.free[slot * rows..(slot + 1) * rows].fill(c64::ZERO);
-            into.free_output[slot * outputs..(slot + 1) * outputs].fill(c64::ZERO);
-        }
-        let columns = if loads.is_empty() { rows } else { rows + 1 };
-        let Condensed { rhs, scale, factor, receptance, free, recovery, free_output, .. } = into;
-        let block = rhs.ncols();
-        for begin in (0..columns).step_by(block.max(1)) {
-            let end = columns.min(begin + block);
-            rhs.fill(c64::ZERO);
-            for l in begin..end.min(rows) {
-                for &(dof, coefficient) in self.rows.parts(l) {
-                    rhs[(dof, l - begin)] += coefficient * scale[dof];
-                }
-            }
-            for load in loads.iter().filter(|_| end > rows) {
-                let growth = if load.grows { base * base } else { 1.0 };
-                rhs[(load.dof, rows - begin)] += load.amplitude * (growth * scale[load.dof]);
-            }
-            factor.solve(rhs.as_mut().subcols_mut(0, end - begin));
-            let at = |dof: usize, column: usize| rhs[(dof, column - begin)] * scale[dof];
-            for (i, parts) in self.rows.iter().enumerate() {
-                for l in begin..end.min(rows) {
-                    receptance[(slot * rows + i) * rows + l] = across(parts, |dof| at(dof, l));
-                }
-                if end > rows {
-                    free[slot * rows + i] = across(parts, |dof| at(dof, rows));
-                }
-            }
-            for (o, &dof) in self.outputs.iter().enumerate() {
-                for l in begin..end.min(rows) {
-                    recovery[(slot * outputs + o) * rows + l] = at(dof, l);
-                }
-                if end > rows {
-                    free_output[slot * outputs + o] = at(dof, rows);
-                }
-            }
         }
     }
 }

@@ -4,10 +4,11 @@ use faer::c64;
 
 use crate::balance::Homotopy;
 use crate::error::PlanError;
-use crate::plan::{Plan, Workspace};
+use crate::plan::Plan;
 use crate::problem::{Joint, Problem};
 use crate::rows::Rows;
 use crate::settings::{Settings, Start};
+use crate::workspace::Workspace;
 
 /// A family of balances in one parameter.
 pub(crate) trait Course {

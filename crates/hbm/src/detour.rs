@@ -5,7 +5,8 @@ use faer::c64;
 
 use crate::balance::Homotopy;
 use crate::newton::Outcome;
-use crate::plan::{Plan, Workspace};
+use crate::plan::Plan;
+use crate::workspace::Workspace;
 
 /// Frequencies tried, relative to the one asked for.
 const DETOURS: [f64; 8] = [1.05, 0.95, 1.12, 0.89, 1.3, 0.77, 1.6, 0.62];

@@ -9,8 +9,9 @@ use faer::c64;
 use crate::balance::Homotopy;
 use crate::harmonics::beyond;
 use crate::newton::Outcome;
-use crate::plan::{Plan, Workspace};
+use crate::plan::Plan;
 use crate::rows::joint_rows;
+use crate::workspace::Workspace;
 
 /// What the difference to twice the harmonics is multiplied with: the part of the error that both have in common, and
 /// spectra that fall unevenly.

@@ -18,9 +18,10 @@ use crate::course::{stuck_springs, whole};
 use crate::dense::Lu;
 use crate::error::PlanError;
 use crate::mode::{ModeOptions, Origin};
-use crate::plan::{Plan, Workspace};
+use crate::plan::Plan;
 use crate::problem::{Contact, Excitation, ExcitationKind, Problem};
 use crate::settings::Settings;
+use crate::workspace::Workspace;
 
 /// Newton steps at most.
 const STEPS: usize = 30;

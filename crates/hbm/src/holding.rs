@@ -8,8 +8,9 @@
 use contact::{Motion, TurningPoints};
 use faer::c64;
 
-use crate::plan::{Plan, Rung, Workspace};
+use crate::plan::{Plan, Rung};
 use crate::solution::{Solution, Status};
+use crate::workspace::Workspace;
 
 /// Rounding of a holding force, relative to its limit: without it a contact exactly at its limit could neither rest nor
 /// slide.

@@ -14,8 +14,9 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par, c64};
 
-use crate::balance::{BalanceBuffers, Block};
+use crate::balance::BalanceBuffers;
 use crate::dense::Lu;
+use crate::jacobian::Block;
 use crate::newton::Task;
 
 /// Vectors of a basis; then GMRES starts again from what it reached.

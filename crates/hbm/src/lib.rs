@@ -1,12 +1,24 @@
 //! N-harmonic balance with alternating frequency–time (AFT) evaluation of contact forces.
 //!
-//! `M ẅ + D ẇ + C w = f_ext − Σ contacts` is solved for its periodic response, eqs (1)–(4) of the paper for any
-//! number of harmonics N. The corridor: [`Problem`] (model, excitation, contacts) → [`Plan`] (what this problem
+//! The periodic response of
+//!
+//! ```math
+//! M \ddot w + D \dot w + C w = f_\mathrm{ext}(t) - B f(u, \dot u), \qquad u = B^{\mathsf T} w \tag{1, 2}
+//! ```
+//!
+//! is found in the relative displacements u of the contacts, harmonic by harmonic, k = 0 … N:
+//!
+//! ```math
+//! u_k + G_k F_k(u) = u^0_k, \qquad G_k = B^{\mathsf T} H_k^{-1} B, \qquad
+//! u^0_k = B^{\mathsf T} H_k^{-1} F_{\mathrm{ext},k}, \qquad H_k = C - (k\Omega)^2 M + \mathrm i k \Omega D \tag{4}
+//! ```
+//!
+//! with F_k the harmonics of f in rig convention (numbers are those of the paper's equations). The corridor: [`Problem`] (model, excitation, contacts) → [`Plan`] (what this problem
 //! needs, made once) → [`Solution`] for each frequency; [`sweep`] maps the last step over frequencies in parallel.
 //!
 //! # Conventions
 //!
-//! One-sided complex amplitudes, `w(t) = Re Σ_{k=0..N} W_k e^{ikΩt}`; SI units; frequencies in Hz. A contact force is
+//! One-sided complex amplitudes, $`w(t) = \operatorname{Re} \sum_{k=0}^{N} W_k \mathrm e^{\mathrm i k \Omega t}`$; SI units; frequencies in Hz. A contact force is
 //! given as it acts **on the first body** of the contact: it opposes the motion.
 
 mod balance;
@@ -18,10 +30,14 @@ mod dense;
 mod detour;
 mod error;
 mod estimate;
+mod facts;
+mod fallback;
 mod free_motion;
+mod ground_paths;
 mod harmonics;
 mod hill;
 mod holding;
+mod jacobian;
 mod joint_events;
 mod joint_force;
 mod krylov;
@@ -38,9 +54,12 @@ mod peak_search;
 mod peak_survey;
 mod pieces;
 mod plan;
+mod plan_check;
 mod point;
 mod problem;
+mod prominence;
 mod report;
+mod responses;
 mod rows;
 mod scalar;
 mod settings;
@@ -48,21 +67,24 @@ mod solution;
 mod solve;
 mod sparse;
 mod stability;
+mod start;
 mod sweep;
 mod transform;
 #[cfg(test)]
 mod verification;
 mod waveform;
+mod workspace;
 
 pub use continuation::{ContinuationOptions, Curve, CurveEnd, CurvePoint, entry_curve, frequency_curve};
 pub use error::PlanError;
+pub use facts::{PlanFacts, Receptances};
 pub use hill::{Hill, HillError, Multipliers, PeriodicSpring};
 pub use mode::{ModeEnd, ModeOptions, ModePoint, NonlinearMode, Origin, nonlinear_mode};
 pub use peak::{
     Optimum, OptimumKind, Peak, PeakCurve, PeakEffort, PeakEnd, PeakOptions, PeakPoint, PeakStatus,
     follow_peaks,
 };
-pub use plan::{Plan, PlanFacts, Receptances, Workspace};
+pub use plan::Plan;
 pub use problem::{Contact, Direction, Excitation, ExcitationKind, Joint, Problem};
 pub use settings::{Jacobian, LinearSolver, Settings, Start};
 pub use solution::{
@@ -72,3 +94,4 @@ pub use solution::{
 pub use stability::{NoStability, Stability, StabilityMethod, Verdict};
 pub use structure::{Damping, Model, ModelError, SparseDamping, SparseModel};
 pub use sweep::{Sweep, SweepOptions, sweep};
+pub use workspace::Workspace;

@@ -1,75 +1,19 @@
 //! What a problem needs, made once and used at every frequency.
 
-use contact::TurningPoints;
-use faer::{Mat, c64};
 use structure::SparseModel;
 
-use crate::balance::{Balance, BalanceBuffers};
-use crate::condensation::{Condensed, Structure};
-use crate::dense::Lu;
+use crate::balance::Balance;
+use crate::condensation::Structure;
 use crate::error::PlanError;
 use crate::harmonics::Harmonics;
 use crate::matrices::Matrices;
-use crate::newton::{Criteria, NewtonBuffers};
-use crate::point::Point;
-use crate::problem::{Contact, ExcitationKind, Joint, Problem};
+use crate::newton::Criteria;
+use crate::plan_check::{check, check_size};
+use crate::problem::{Contact, Joint, Problem};
 use crate::rows::Rows;
-use crate::scalar::Root;
 use crate::settings::{Settings, Start};
-use crate::solution::Stats;
 use crate::sparse::SparseMatrices;
 use crate::transform::Transform;
-
-/// How the receptances at the contacts are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Receptances {
-    /// From a factorisation of the dense dynamic stiffness, one a harmonic.
-    Dense,
-    /// As sums over the modes of the structure, which its damping does not couple; from factorisations near resonances that
-    /// nothing damps.
-    Modes,
-    /// From a factorisation of the sparse dynamic stiffness, one a harmonic.
-    Sparse,
-}
-
-/// What a plan uses and what it leaves out, for a reader.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PlanFacts {
-    /// Greatest common divisor of the excited harmonics: the period is that many times shorter.
-    pub fundamental: usize,
-    /// Only odd multiples of the fundamental are unknown: laws and excitation are odd.
-    pub odd: bool,
-    /// One contact, one harmonic, closed form: a real equation whose roots are all found; no transform, no samples.
-    pub scalar: bool,
-    /// One contact with a closed form for one harmonic: its solutions start the ladder, no guess is needed.
-    pub scalar_start: bool,
-    /// No contact law needs iteration.
-    pub linear: bool,
-    /// Samples a period; 0 where forces need none.
-    pub samples: usize,
-    /// Contacts whose force is evaluated by its events, without sampling error.
-    pub event_exact: usize,
-    /// Contacts in several directions: all harmonics and the mean are unknown.
-    pub joints: usize,
-    /// Of these, those whose forces are evaluated by their events; the forces of the others are sampled.
-    pub joints_by_events: usize,
-    /// A number of samples was asked for, which piecewise linear laws would not need.
-    pub sampled_on_request: bool,
-    /// Harmonics of Ω up to which each rung of the ladder goes, the last being N.
-    pub ladder: Vec<usize>,
-    /// Harmonics of Ω that Newton's method solves for at least; a slaved tail may follow. `None` where there is none.
-    pub tail_after: Option<usize>,
-    /// No contact can become stiffer than a known number, so it is known which harmonics can be slaved. With joints none are.
-    pub bounded_stiffness: bool,
-    /// Dofs that carry no contact and are condensed away.
-    pub condensed_dofs: usize,
-    /// How receptances are found.
-    pub receptances: Receptances,
-    /// Real unknowns of the iteration.
-    pub unknowns: usize,
-    /// Newton steps with all harmonics are solved for by GMRES, without factoring the whole derivative.
-    pub krylov: bool,
-}
 
 /// One rung of the ladder in N.
 #[derive(Debug)]
@@ -100,55 +44,11 @@ pub struct Plan {
     pub(crate) exact: bool,
     pub(crate) scalar: bool,
     pub(crate) scalar_start: bool,
-    condensed_dofs: usize,
-}
-
-/// Buffers for one thread.
-#[derive(Debug)]
-pub struct Workspace {
-    /// The rung whose balance is to be solved.
-    pub(crate) goal: usize,
-    /// Harmonics condensed so far at this frequency.
-    pub(crate) ready: usize,
-    pub(crate) condensed: Condensed,
-    pub(crate) point: Point,
-    /// One a rung.
-    pub(crate) balance: Vec<BalanceBuffers>,
-    pub(crate) newton: NewtonBuffers,
-    /// û, entry `[slot][i]` over active rows.
-    pub(crate) unknowns: Vec<c64>,
-    /// A solution to fall back to.
-    pub(crate) kept: Vec<c64>,
-    /// The one before it on a way.
-    pub(crate) before: Vec<c64>,
-    /// Displacement harmonics in m of the previous point of a march, and whether there is one.
-    pub(crate) previous: Vec<c64>,
-    pub(crate) has_previous: bool,
-    /// The solution while an estimate looks beyond it.
-    pub(crate) solved: Vec<c64>,
-    /// Output displacements of a solution, and of the one beyond it.
-    pub(crate) outputs: (Vec<c64>, Vec<c64>),
-    /// The residuals of a solution while an estimate iterates.
-    pub(crate) history: Vec<f64>,
-    /// Estimates for the solution at hand.
-    pub(crate) truncation_error: Option<f64>,
-    pub(crate) sampling_error: Option<f64>,
-    pub(crate) roots: Vec<Root>,
-    pub(crate) held: Vec<bool>,
-    /// Holding forces in N, entry `[slot][row]`.
-    pub(crate) holding: Vec<c64>,
-    /// One harmonic's linear system over active rows.
-    pub(crate) linear: Lu<c64>,
-    pub(crate) linear_rhs: Mat<c64>,
-    pub(crate) turning_points: TurningPoints,
-    pub(crate) stats: Stats,
+    pub(crate) condensed_dofs: usize,
 }
 
 /// From so many harmonics on the velocity is looked at more coarsely: high harmonics hardly move its zeros.
 const LONG: usize = 63;
-
-/// The most harmonics a plan accepts.
-const MOST_HARMONICS: usize = 4095;
 
 impl Plan {
     /// Plans `problem`.
@@ -284,48 +184,6 @@ impl Plan {
         self.harmonics.orders.get(..self.slots()).unwrap_or_default()
     }
 
-    /// What the plan uses and what it leaves out.
-    pub fn facts(&self) -> PlanFacts {
-        let iterated = !self.scalar && !self.linear;
-        let by_events = |c: &&Contact| iterated && self.exact && c.law.piecewise_linear().is_some();
-        let event_exact = self.contacts.iter().filter(by_events).count();
-        let joint_by_events = |joint: &&Joint| self.exact && joint.law.piecewise_linear().is_some();
-        let joints_by_events = self.joints.iter().filter(joint_by_events).count();
-        let sampled = iterated && (event_exact < self.contacts.len() || joints_by_events < self.joints.len());
-        let bounded = self.joints.is_empty() && self.contacts.iter().all(|c| c.law.stiffest().is_some());
-        let last = self.rungs.get(self.top);
-        let unknowns = self.balance(self.top).size(self.rows(), self.slots());
-        PlanFacts {
-            fundamental: self.harmonics.fundamental,
-            odd: self.harmonics.odd,
-            scalar: self.scalar,
-            scalar_start: self.scalar_start,
-            linear: self.linear,
-            samples: if sampled { last.map_or(0, |rung| rung.transform.samples()) } else { 0 },
-            event_exact,
-            joints: self.joints.len(),
-            joints_by_events,
-            sampled_on_request: !self.exact,
-            ladder: self
-                .rungs
-                .iter()
-                .take(self.top + 1)
-                .filter_map(|rung| self.harmonics.orders.get(rung.slots.checked_sub(1)?).copied())
-                .collect(),
-            tail_after: self
-                .rungs
-                .iter()
-                .find(|rung| rung.order >= self.least_core())
-                .filter(|rung| iterated && bounded && self.settings.slaving && rung.slots < self.slots())
-                .map(|rung| rung.order * self.harmonics.fundamental),
-            bounded_stiffness: bounded,
-            condensed_dofs: self.condensed_dofs,
-            receptances: self.structure.receptances(),
-            unknowns,
-            krylov: iterated && self.settings.krylov(unknowns, self.rows()),
-        }
-    }
-
     /// Number of rows: contacts, then the directions of all joints.
     pub(crate) fn rows(&self) -> usize {
         self.contacts.len() + self.joint_rows
@@ -379,38 +237,6 @@ impl Plan {
             polish: true,
         }
     }
-
-    /// Buffers for one thread.
-    pub fn workspace(&self) -> Workspace {
-        let (rows, slots) = (self.rows(), self.harmonics.reduced.len());
-        let entries = rows * slots;
-        let buffers = (0..self.rungs.len()).map(|rung| self.balance(rung).buffers()).collect();
-        Workspace {
-            goal: self.top,
-            ready: 0,
-            condensed: self.structure.condensed(),
-            point: Point::new(rows, slots),
-            balance: buffers,
-            newton: NewtonBuffers::new(entries),
-            unknowns: vec![c64::ZERO; entries],
-            kept: vec![c64::ZERO; entries],
-            before: vec![c64::ZERO; entries],
-            previous: vec![c64::ZERO; entries],
-            has_previous: false,
-            solved: vec![c64::ZERO; entries],
-            outputs: (Vec::new(), Vec::new()),
-            history: Vec::new(),
-            truncation_error: None,
-            sampling_error: None,
-            roots: Vec::with_capacity(8),
-            held: vec![false; self.contacts.len()],
-            holding: vec![c64::ZERO; entries],
-            linear: Lu::new(rows, 1),
-            linear_rhs: Mat::zeros(rows, 1),
-            turning_points: TurningPoints::default(),
-            stats: Stats::default(),
-        }
-    }
 }
 
 /// Whether some contact force is evaluated at samples.
@@ -425,130 +251,4 @@ fn ladder(harmonics: &Harmonics) -> Vec<usize> {
     let lowest = harmonics.highest_excited.max(1);
     let below = (1..usize::BITS).map(|b| (1_usize << b) - 1).take_while(|n| *n < highest);
     below.filter(|n| *n >= lowest).chain([highest]).collect()
-}
-
-/// The most bytes that a factorisation and the receptances of one thread may take.
-const MOST_BYTES: f64 = 4e9;
-
-/// Refuses what would not fit into memory before anything is allocated.
-fn check_size<M>(problem: &Problem<M>, dofs: usize, settings: &Settings) -> Result<(), PlanError> {
-    let directions: usize = problem.joints.iter().map(|joint| joint.directions.len()).sum();
-    let count = problem.contacts.len() + directions;
-    let (rows, dofs) = (count as f64, dofs as f64);
-    // Sized as if no harmonic could be left out or slaved.
-    let harmonics = settings.harmonics as f64;
-    let unknowns = 2.0 * (harmonics + 1.0) * rows;
-    let outputs = problem.output.len() as f64;
-    let derivative = if settings.krylov(unknowns as usize, count) {
-        // The preconditioner, one block a contact and up to three a row of a joint, and the basis.
-        let blocks = (problem.contacts.len() + MOST_DIRECTIONS * directions) as f64;
-        let orders = harmonics + 1.0;
-        16.0 * orders * (rows * rows + 2.0 * orders * blocks) + 512.0 * unknowns
-    } else {
-        8.0 * unknowns * unknowns
-    };
-    let bytes = derivative + 16.0 * 2.0 * harmonics * rows * (rows + outputs) + 16.0 * dofs * (dofs + rows);
-    if bytes > MOST_BYTES && unknowns > SAFE_UNKNOWNS {
-        let problem = format!(
-            "{} harmonics at {} contacts would take {:.0} GB of memory a thread; ask for fewer",
-            settings.harmonics,
-            problem.contacts.len() + problem.joints.len(),
-            bytes / 1e9
-        );
-        return Err(PlanError { place: "harmonics".into(), problem });
-    }
-    Ok(())
-}
-
-/// Two tangential directions and the normal one.
-const MOST_DIRECTIONS: usize = 3;
-
-/// So many real unknowns always fit.
-const SAFE_UNKNOWNS: f64 = 16_384.0;
-
-fn check<M>(
-    problem: &Problem<M>,
-    n: usize,
-    base_motions: usize,
-    settings: &Settings,
-) -> Result<(), PlanError> {
-    let error = |place: String, problem: String| Err(PlanError { place, problem });
-    let most = settings.harmonics;
-    if most == 0 || most > MOST_HARMONICS {
-        return error("harmonics".into(), format!("must be between 1 and {MOST_HARMONICS}, got {most}"));
-    }
-    for (i, excitation) in problem.excitation.iter().enumerate() {
-        if excitation.harmonic > most {
-            return error(
-                format!("excitation[{i}].harmonic"),
-                format!(
-                    "is {}, above the {most} harmonics of the balance; raise \"harmonics\"",
-                    excitation.harmonic
-                ),
-            );
-        }
-        if !excitation.amplitude.is_finite() || !excitation.phase.is_finite() {
-            return error(format!("excitation[{i}]"), "amplitude and phase must be finite".into());
-        }
-        let (known, of_what) = match excitation.kind {
-            ExcitationKind::Base => (base_motions, "base motions"),
-            ExcitationKind::Force | ExcitationKind::Unbalance => (n, "dofs"),
-        };
-        if excitation.dof >= known {
-            return error(format!("excitation[{i}].dof"), format!("the model has {known} {of_what}"));
-        }
-    }
-    for (i, contact) in problem.contacts.iter().enumerate() {
-        if contact.first >= n || contact.second.is_some_and(|second| second >= n) {
-            return error(format!("contacts[{i}].between"), format!("the model has {n} dofs"));
-        }
-        if contact.second == Some(contact.first) {
-            return error(format!("contacts[{i}].between"), "must name two different dofs".into());
-        }
-        if !(contact.scale.is_finite() && contact.scale > 0.0) {
-            return error(format!("contacts[{i}].scale"), format!("must be positive, got {}", contact.scale));
-        }
-    }
-    for (i, joint) in problem.joints.iter().enumerate() {
-        check_joint(&format!("joints[{i}]"), joint, n)?;
-    }
-    match problem.output.iter().find(|dof| **dof >= n) {
-        Some(dof) => error("output".into(), format!("dof {dof} does not exist; the model has {n}")),
-        None => Ok(()),
-    }
-}
-
-fn check_joint(place: &str, joint: &Joint, n: usize) -> Result<(), PlanError> {
-    let error = |of: &str, problem: String| Err(PlanError { place: format!("{place}{of}"), problem });
-    let wanted = joint.law.directions();
-    if joint.directions.len() != wanted || !(1..=MOST_DIRECTIONS).contains(&wanted) {
-        let given = joint.directions.len();
-        return error(".directions", format!("the law has {wanted} directions, got {given}"));
-    }
-    for (d, direction) in joint.directions.iter().enumerate() {
-        let place = format!(".directions[{d}]");
-        let parts = &direction.parts;
-        if let Some((dof, _)) = parts.iter().find(|(dof, _)| *dof >= n) {
-            return error(&place, format!("dof {dof} does not exist; the model has {n} dofs"));
-        }
-        if parts.iter().any(|(_, coefficient)| !coefficient.is_finite()) {
-            return error(&place, "coefficients must be finite".into());
-        }
-        if parts.iter().all(|(_, coefficient)| *coefficient == 0.0) {
-            return error(&place, "moves with no dof".into());
-        }
-        let twice = |(i, part): (usize, &(usize, f64))| parts.iter().take(i).any(|before| before.0 == part.0);
-        if let Some((_, (dof, _))) = parts.iter().enumerate().find(|part| twice(*part)) {
-            return error(&place, format!("names dof {dof} twice"));
-        }
-        let (length, stiffness) = (joint.law.length(d), joint.law.stiffness(d));
-        if !(length >= 0.0 && length.is_finite() && stiffness >= 0.0 && stiffness.is_finite()) {
-            let problem = format!("its law has a length of {length} m and a stiffness of {stiffness} N/m");
-            return error(&place, problem);
-        }
-    }
-    if !(joint.scale.is_finite() && joint.scale > 0.0) {
-        return error(".scale", format!("must be positive, got {}", joint.scale));
-    }
-    Ok(())
 }

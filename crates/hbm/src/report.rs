@@ -5,9 +5,10 @@ use faer::c64;
 use num_complex::Complex64;
 
 use crate::dense::Entry;
-use crate::plan::{Plan, Workspace};
+use crate::plan::Plan;
 use crate::rows::joint_rows;
 use crate::solution::{ContactSolution, DirectionSolution, JointSolution, Solution, Status};
+use crate::workspace::Workspace;
 
 impl Plan {
     /// Writes the solution that the workspace holds.
@@ -144,6 +145,38 @@ impl Plan {
                 ws.condensed.free_output[entry] + moved
             }));
         }
+    }
+
+    /// The response of the output dofs under the contact forces of `solution`, whatever its displacements say:
+    /// `W = W_free − R F`, and beside each amplitude the sum of the magnitudes it is made of. One row per output dof, one
+    /// column per order; for solutions that were written down and are to be checked. `None` where the structure is
+    /// singular.
+    pub fn response_under(
+        &self,
+        solution: &Solution,
+        workspace: &mut Workspace,
+    ) -> Option<Vec<Vec<(Complex64, f64)>>> {
+        let slots = self.slots();
+        let condensed = &mut workspace.condensed;
+        self.structure.condense_alone(solution.frequency, 0..slots, condensed).ok()?;
+        if condensed.singular.get(..slots)?.contains(&true) {
+            return None;
+        }
+        let (all, outputs) = (self.rows(), condensed.outputs);
+        let contacts = || solution.contacts.iter().map(|c| (&c.force, &c.displacement));
+        let directions = || solution.joints.iter().flat_map(|joint| &joint.directions);
+        let rows = || contacts().chain(directions().map(|d| (&d.force, &d.displacement)));
+        let at = |row: &[c64], slot: usize| row.get(slot).copied().unwrap_or(c64::ZERO);
+        let response = |o: usize, slot: usize| {
+            let entry = slot * outputs + o;
+            let free = condensed.free_output[entry];
+            let recovery = &condensed.recovery[entry * all..(entry + 1) * all];
+            let lent = &condensed.lent[slot * all..(slot + 1) * all];
+            let parts = recovery.iter().zip(lent).zip(rows());
+            let parts = parts.map(|((r, lent), (force, w))| r * (at(force, slot) + lent * at(w, slot)));
+            parts.fold((free, free.magnitude()), |(sum, size), part| (sum + part, size + part.magnitude()))
+        };
+        Some((0..outputs).map(|o| (0..slots).map(|slot| response(o, slot)).collect()).collect())
     }
 
     /// The response without contact forces: one row per output dof, one column per order. `None` where the

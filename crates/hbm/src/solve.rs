@@ -6,10 +6,11 @@ use faer::c64;
 use crate::balance::Homotopy;
 use crate::dense::Entry;
 use crate::newton::Outcome;
-use crate::plan::{Plan, Workspace};
+use crate::plan::Plan;
 use crate::scalar::{Root, ScalarBalance};
 use crate::settings::Start;
 use crate::solution::{FailureReason, Solution, Stats, Status};
+use crate::workspace::Workspace;
 
 /// A residual of the closed form, relative to the excitation, above which a root is not told from rounding.
 const UNRESOLVED: f64 = 1e-7;

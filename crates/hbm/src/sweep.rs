@@ -4,9 +4,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use crate::plan::{Plan, Workspace};
+use crate::plan::Plan;
 use crate::settings::Start;
 use crate::solution::Solution;
+use crate::workspace::Workspace;
 
 /// How a sweep runs.
 #[derive(Default)]

@@ -35,6 +35,18 @@ impl Frequencies {
         }
     }
 
+    /// A list of frequencies, such as those of a result.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn list(frequencies: Vec<f64>) -> Result<Self, BadFrequencies> {
+        if frequencies.is_empty() {
+            return Err(BadFrequencies("there is no frequency".into()));
+        }
+        frequencies.iter().try_for_each(|frequency| Self::one(*frequency).map(|_| ()))?;
+        Ok(Self(frequencies))
+    }
+
     /// The frequencies in Hz.
     pub fn as_slice(&self) -> &[f64] {
         &self.0

@@ -46,6 +46,7 @@ mod outcome;
 mod peak;
 mod pose;
 mod read;
+mod recorded;
 mod records;
 mod reduction;
 mod response;
@@ -73,6 +74,7 @@ pub use outcome::{
     direction_names,
 };
 pub use peak::{PeaksCurve, PeaksEffort, PeaksOptimum, PeaksOptions, PeaksOutcome, PeaksPeak, PeaksPoint};
+pub use recorded::{Mismatch, RecordedContact, RecordedPoint};
 pub use reduction::ReductionFacts;
 pub use response::{Curve, Peak, Resonance, Response, Responses, highest, peaks};
 pub use run::{Motion, Prepared, Solved};

@@ -145,6 +145,8 @@ pub struct ContactPoint {
     pub state: &'static str,
     /// In J per cycle.
     pub dissipation: f64,
+    /// Relative displacement first − second, in m.
+    pub displacement: Spectrum,
     /// On the first body, in N.
     pub force: Spectrum,
     /// Reversals of the relative displacement in a period.
@@ -353,6 +355,7 @@ impl<'a> Names<'a> {
             amplitude: contact.amplitude,
             state: state(contact.state),
             dissipation: contact.dissipation,
+            displacement: Spectrum::new(self.orders, &contact.displacement),
             force: Spectrum::new(self.orders, &contact.force),
             turning_points: contact.turning_points,
             extrapolated: contact.extrapolated,

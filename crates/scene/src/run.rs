@@ -75,6 +75,11 @@ impl<'s> Prepared<'s> {
         Solved { prepared: self, sweep, unknown, solve: began.elapsed() }
     }
 
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        self.scene
+    }
+
     /// The plan behind it.
     pub fn plan(&self) -> &Plan {
         &self.plan

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use arrays::ArrayError;
 use faer::sparse::SparseColMat;
 use thiserror::Error;
 
@@ -74,6 +75,15 @@ pub enum MatrixFileError {
     /// The whole is wrong.
     #[error("{0}")]
     Content(String),
+}
+
+impl From<ArrayError> for MatrixFileError {
+    fn from(error: ArrayError) -> Self {
+        match error {
+            ArrayError::Unreadable(error) => Self::Unreadable(error),
+            ArrayError::Content(problem) => Self::Content(problem),
+        }
+    }
 }
 
 impl MatrixFileError {

@@ -4,11 +4,11 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
-use zip::ZipArchive;
+use arrays::{ArrayError, NpzReader};
 
 use crate::entries::Entries;
 use crate::matrix_file::{MatrixFile, MatrixFileError};
-use crate::npy::Array;
+use crate::npy;
 use crate::triangle::{Declared, completed};
 
 /// Reads a square matrix from a `.npz` file: the array `entry`; without a name the sparse matrix that SciPy wrote, or
@@ -25,46 +25,29 @@ pub fn read_npz(path: &Path, entry: Option<&str>) -> Result<MatrixFile, MatrixFi
 /// # Errors
 /// [`MatrixFileError`] with what is wrong, and in which array.
 pub fn parse_npz(bytes: impl Read + Seek, entry: Option<&str>) -> Result<MatrixFile, MatrixFileError> {
-    let mut archive =
-        Archive(ZipArchive::new(bytes).map_err(|error| wrong(format!("is no .npz archive: {error}")))?);
+    let mut archive = NpzReader::open(bytes)?;
     let names = archive.names();
     let has = |name: &str| names.iter().any(|known| known == name);
     match entry {
-        Some(entry) if has(entry) => archive.read(entry, |array| array.matrix()),
+        Some(entry) if has(entry) => matrix(&mut archive, entry),
         Some(entry) => Err(wrong(format!("there is no array {entry:?} in it; it has {}", names.join(", ")))),
         None if has("format") && has("data") && has("shape") => scipy(&mut archive),
         None => match names.as_slice() {
             [] => Err(wrong("has no array in it")),
-            [only] => archive.read(only, |array| array.matrix()),
+            [only] => matrix(&mut archive, only),
             several => Err(wrong(format!("has several arrays; say which one: {}", several.join(", ")))),
         },
     }
 }
 
-struct Archive<R>(ZipArchive<R>);
-
-type Member<'a> = Array<&'a mut dyn Read>;
-
-impl<R: Read + Seek> Archive<R> {
-    fn names(&self) -> Vec<String> {
-        self.0.file_names().filter_map(|name| Some(name.ok()?.strip_suffix(".npy")?.to_owned())).collect()
-    }
-
-    fn read<T>(
-        &mut self,
-        name: &str,
-        read: impl FnOnce(Member<'_>) -> Result<T, MatrixFileError>,
-    ) -> Result<T, MatrixFileError> {
-        let within = |error: MatrixFileError| wrong(format!("array {name:?}: {error}"));
-        let mut file =
-            self.0.by_name(&format!("{name}.npy")).map_err(|error| within(wrong(error.to_string())))?;
-        let length = file.size();
-        Array::open(&mut file as &mut dyn Read, length).and_then(read).map_err(within)
-    }
+/// The matrix of an array.
+fn matrix<R: Read + Seek>(archive: &mut NpzReader<R>, name: &str) -> Result<MatrixFile, MatrixFileError> {
+    let within = |error: MatrixFileError| ArrayError::Content(error.to_string());
+    Ok(archive.read(name, |array| npy::matrix(array).map_err(within))?)
 }
 
 /// `save_npz`: format, shape, data, and where the data stand.
-fn scipy<R: Read + Seek>(archive: &mut Archive<R>) -> Result<MatrixFile, MatrixFileError> {
+fn scipy<R: Read + Seek>(archive: &mut NpzReader<R>) -> Result<MatrixFile, MatrixFileError> {
     let format = archive.read("format", |array| array.text())?;
     if !["csc", "csr", "coo"].contains(&format.as_str()) {
         return Err(wrong(format!(

@@ -1,0 +1,1 @@
+//! `stickslip report` from outside.
