@@ -206,6 +206,14 @@ write the ends of the range.",
       { symbol: "circle", symbolSize: 7, itemStyle: { color: colours.paper, borderColor: colours.warn, borderWidth: 1.5 } },
       (result, point) => result.points.stable[point] === false,
     );
+    const others = this.page.results.flatMap((result) =>
+      result.points.others.flatMap(({ point, amplitude }) =>
+        amplitude.map((value) => [result.points.parameter[point], this.scaled(value)]).filter(([, value]) => value !== null),
+      ),
+    );
+    if (others.length > 0) {
+      add({ name: "other solutions", type: "scatter", data: others, symbol: "triangle", symbolSize: 7, itemStyle: { color: colours.muted }, z: 4 });
+    }
     const failed = this.page.results.flatMap((result) =>
       result.points.parameter.filter((_, point) => result.points.status[point] === "failed").map((place) => [place, 0.03]),
     );
