@@ -445,16 +445,61 @@ fn schema_completions_manual_and_help() {
     };
     let schema: Value = serde_json::from_str(&text(&["schema"])).unwrap();
     assert_eq!(schema["title"], "stickslip scene");
+    assert_eq!(text(&["schema"]), text(&["schema", "scene"]));
+    let schema: Value = serde_json::from_str(&text(&["schema", "study"])).unwrap();
+    assert_eq!(schema["title"], "stickslip study");
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         assert!(text(&["completions", shell]).contains("sweep"), "{shell}");
     }
     assert!(text(&["man"]).contains("stickslip"));
     assert!(text(&["man", "sweep"]).contains("waveform"));
+    assert!(text(&["man", "loop", "fit"]).contains("stickslip\\-loop\\-fit \\- Fit the Fourier series"));
+    for wrong in [&["man", "lop"][..], &["man", "loop", "fat"], &["man", "loop", "fit", "record"]] {
+        let output = run(folder.path(), wrong);
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+        assert!(stderr(&output).contains(&wrong[1..].join(" ")), "{}", stderr(&output));
+    }
     assert!(text(&["--help"]).contains("Exit codes:"));
     assert!(text(&["sweep", "--help"]).contains("Examples:"));
     assert!(text(&["--version"]).starts_with("stickslip "));
     // Without a command help is shown, and it is an error.
     assert_eq!(run(folder.path(), &[]).status.code(), Some(2));
+}
+
+#[test]
+fn every_command_has_a_manual_page() {
+    let folder = TempDir::new().unwrap();
+    let output = run(folder.path(), &["man", "--all", "pages"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let mut names: Vec<String> = fs::read_dir(folder.path().join("pages"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    // What the help lists, and what is below it.
+    let help = run(folder.path(), &["--help"]);
+    let listed = stdout(&help).lines().skip_while(|line| *line != "Commands:").skip(1);
+    let listed = listed.take_while(|line| !line.is_empty()).filter(|line| !line.starts_with("   "));
+    let mut expected = vec!["stickslip.1".to_owned()];
+    expected.extend(["fit", "scale"].map(|name| format!("stickslip-loop-{name}.1")));
+    let commands = listed.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help");
+    expected.extend(commands.map(|name| format!("stickslip-{name}.1")));
+    expected.sort();
+    assert_eq!(names, expected);
+}
+
+#[test]
+fn every_example_is_that_of_the_scenes() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    for template in ["two-mass", "elastic-coulomb", "cubic", "hoffmann-2017"] {
+        let folder = example(template);
+        let name = format!("{template}.json");
+        assert_eq!(fs::read(folder.path().join(&name)).unwrap(), fs::read(scenes.join(&name)).unwrap());
+        let output = run(folder.path(), &["check", &name]);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    let folder = example("hoffmann-2017");
+    assert!(run(folder.path(), &["check", "hoffmann-2017-elastic-coulomb.json"]).status.success());
 }
 
 /// The answer of `continue` as JSON.

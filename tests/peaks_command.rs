@@ -119,12 +119,15 @@ fn wrong_words_are_answered() {
         ["cubic.json", "--vary", pointer, "--from", from, "--to", to]
     };
     for (arguments, words) in [
-        (&vary("/excitation/0/amplitude", "3", "1")[..], "--to: must be above --from"),
+        (
+            &vary("/excitation/0/amplitude", "3", "1")[..],
+            "--vary /excitation/0/amplitude: its range must grow, got 3 to 1",
+        ),
         (&vary("/excitation/0/amplitud", "1", "3")[..], "has no entry"),
         (&vary("/excitation/0/dof", "1", "3")[..], "only numbers can be varied"),
         (&vary("/harmonics", "1", "3")[..], "peaks are no curve over it"),
         (&[SLIP[0], SLIP[1], SLIP[2], "--from", "-1", "--to", "3"][..], "/contacts/0/law/slip_force = -1"),
-        (&[&vary("/excitation/0/amplitude", "0", "1")[..], &["--log"]].concat(), "--from must be positive"),
+        (&[&vary("/excitation/0/amplitude", "0", "1")[..], &["--log"]].concat(), "begins above zero, got 0"),
         (&[&vary("/excitation/0/amplitude", "1", "3")[..], &["--dof", "w3"]].concat(), "no dof \"w3\""),
         (&[&vary("/excitation/0/amplitude", "1", "3")[..], &["--frequencies", "57"]].concat(), "range"),
     ] {

@@ -2,19 +2,18 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{iwan, loop_family, python, reference_loop, report_page};
+use crate::{deny, dist, equations, iwan, loop_family, msrv, package, python, reference_loop, report_page};
 
-/// Commands of cargo before the tests, with their environment.
-const CHECKS: [(&str, Option<(&str, &str)>); 4] = [
-    ("fmt --all -- --check", None),
-    ("clippy --workspace --all-targets -- -D warnings", None),
-    ("check -p stickslip --no-default-features", None),
-    ("doc --workspace --no-deps", Some(("RUSTDOCFLAGS", "-Dwarnings"))),
+/// Commands of cargo before documentation and tests.
+const CHECKS: [&str; 3] = [
+    "fmt --all -- --check",
+    "clippy --workspace --all-targets -- -D warnings",
+    "check -p stickslip --no-default-features",
 ];
 
 /// The README's commands.
@@ -34,31 +33,29 @@ const INSTRUCTIONS: &str = "run --release -p xtask -- instructions";
 
 /// Runs all checks in the workspace at `root`; the first that fails ends the run.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    let start = Instant::now();
+    let mut steps = Steps::default();
     says_so(root)?;
     // Before anything is built: the page is part of the program.
-    step("cargo xtask report-page");
-    report_page::bundle(root, false)?;
-    step("cargo xtask reference-loop --check");
-    reference_loop::check(root)?;
-    step("cargo xtask iwan --check");
-    iwan::check(root)?;
-    step("cargo xtask loop-family --check");
-    loop_family::check(root)?;
-    for (arguments, variable) in CHECKS {
-        cargo(root, arguments, variable, Stdio::inherit())?;
+    steps.take("cargo xtask report-page", || report_page::bundle(root, false).map(|_| ()))?;
+    steps.take("cargo xtask package", || package::run(root, &[]))?;
+    steps.take("cargo xtask deny", || deny::run(root))?;
+    steps.take("cargo xtask reference-loop --check", || reference_loop::check(root))?;
+    steps.take("cargo xtask iwan --check", || iwan::check(root))?;
+    steps.take("cargo xtask loop-family --check", || loop_family::check(root))?;
+    for arguments in CHECKS {
+        steps.cargo(root, arguments, Stdio::inherit())?;
     }
-    cargo(root, TESTS, None, Stdio::inherit())?;
-    example(root)?;
-    step("cargo xtask report-page --test");
-    report_page::test(root)?;
-    cargo(root, FIGURES, None, Stdio::inherit())?;
-    cargo(root, ERRORS, None, Stdio::inherit())?;
-    cargo(root, EXTREME, None, Stdio::inherit())?;
-    cargo(root, INSTRUCTIONS, None, Stdio::inherit())?;
-    step("cargo xtask python");
-    python::run(root, false)?;
-    step(&format!("all checks passed in {:.0} s", start.elapsed().as_secs_f64()));
+    steps.take("cargo xtask doc", || equations::document(root))?;
+    steps.take("cargo xtask msrv", || msrv::run(root))?;
+    steps.cargo(root, TESTS, Stdio::inherit())?;
+    example(root, &mut steps)?;
+    steps.take("cargo xtask report-page --test", || report_page::test(root))?;
+    steps.take("cargo xtask dist --quick", || dist::run(root, &["--quick"]))?;
+    for arguments in [FIGURES, ERRORS, EXTREME, INSTRUCTIONS] {
+        steps.cargo(root, arguments, Stdio::inherit())?;
+    }
+    steps.take("cargo xtask python", || python::run(root, false))?;
+    steps.tell();
     Ok(())
 }
 
@@ -72,29 +69,48 @@ fn says_so(root: &Path) -> Result<()> {
 }
 
 /// The README's first command; its result goes to a file under `target` and must not be empty.
-fn example(root: &Path) -> Result<()> {
+fn example(root: &Path, steps: &mut Steps) -> Result<()> {
     let result = root.join("target").join("ci-example.out");
     let file = fs::File::create(&result).with_context(|| result.display().to_string())?;
-    cargo(root, EXAMPLE, None, file.into())?;
+    steps.cargo(root, EXAMPLE, file.into())?;
     let size = fs::metadata(&result)?.len();
     ensure!(size > 0, "`cargo {EXAMPLE}` printed nothing");
     Ok(())
 }
 
-fn cargo(root: &Path, arguments: &str, variable: Option<(&str, &str)>, output: Stdio) -> Result<()> {
-    let shown = variable.map_or(String::new(), |(name, value)| format!("{name}={value} "));
-    step(&format!("{shown}cargo {arguments}"));
-    let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut command = Command::new(program);
-    command.current_dir(root).args(arguments.split(' ')).stdout(output);
-    if let Some((name, value)) = variable {
-        command.env(name, value);
-    }
-    let status = command.status().with_context(|| format!("cargo {arguments}"))?;
-    ensure!(status.success(), "`{shown}cargo {arguments}` failed");
-    Ok(())
+/// What was done, and how long it took.
+#[derive(Default)]
+struct Steps {
+    taken: Vec<(String, Duration)>,
 }
 
-fn step(what: &str) {
-    eprintln!("\n==> {what}");
+impl Steps {
+    fn take(&mut self, what: &str, work: impl FnOnce() -> Result<()>) -> Result<()> {
+        eprintln!("\n==> {what}");
+        let start = Instant::now();
+        work()?;
+        self.taken.push((what.to_owned(), start.elapsed()));
+        Ok(())
+    }
+
+    fn cargo(&mut self, root: &Path, arguments: &str, output: Stdio) -> Result<()> {
+        let shown = format!("cargo {arguments}");
+        self.take(&shown, || {
+            let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+            let mut command = Command::new(program);
+            command.current_dir(root).args(arguments.split(' ')).stdout(output);
+            let status = command.status().with_context(|| shown.clone())?;
+            ensure!(status.success(), "`{shown}` failed");
+            Ok(())
+        })
+    }
+
+    /// Where the time went.
+    fn tell(&self) {
+        let total: Duration = self.taken.iter().map(|(_, took)| *took).sum();
+        eprintln!("\n==> all checks passed in {:.0} s", total.as_secs_f64());
+        for (what, took) in &self.taken {
+            eprintln!("{:6.0} s  {what}", took.as_secs_f64());
+        }
+    }
 }

@@ -1,6 +1,9 @@
 //! The workshop of stickslip: `cargo xtask COMMAND`.
 
 mod ci;
+mod deny;
+mod dist;
+mod equations;
 mod error_vs_runtime;
 mod estimates;
 mod extreme;
@@ -13,7 +16,10 @@ mod library;
 mod loop_family;
 mod loop_series;
 mod markdown;
+mod msrv;
 mod non_negative;
+mod package;
+mod packages;
 mod page;
 mod paper;
 mod peers;
@@ -35,6 +41,11 @@ use anyhow::{Result, bail};
 const USAGE: &str = "usage: cargo xtask COMMAND
 
   ci                       every check of a change: format, lints, documentation, tests, figures, the README's commands
+  deny                     licences, sources and advisories of all dependencies with cargo-deny; says so where that is missing
+  dist                     what a release consists of, in target/dist: program, manual pages, completions, wheel, licences, sums
+                           (--without-wheel without Python, --quick around the release build)
+  doc                      the documentation of all crates with drawn equations, in target/doc
+  equations                draws the equations of the book; `mdbook build docs` calls it
   figures                  writes docs/figures and docs/src/reproduction.md: the paper's figures and numbers
   figures --check          fails when a stated number leaves its tolerance or a committed figure shows other data
   reconstruct              searches the parameters of the paper's Fig. 4 and writes scenes/hoffmann-2017*.json
@@ -55,6 +66,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   loop-series FOLDER       writes synthetic records at eight amplitudes that follow the paper's scaling laws
   scaling                  how the cost grows with dofs, contacts, harmonics, points: docs/src/growth.md (release build)
   scaling --draw           figure and page once more from the measured data
+  msrv                     the declared rust-version is true: of dependencies, of the lint that watches it, of that compiler if it is there
+  package                  every crate can be packaged and is whole (--verify: and builds from its package)
   peers                    the same scenes with pyHarm, mousai and SciPy: agreement, error, time; writes docs/src/peers.md
                            (release build; needs Python 3.11 and a package index)
   peers --draw             the page once more from the measured data
@@ -80,6 +93,13 @@ fn run() -> Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["ci"] => ci::run(&root()),
+        ["deny"] => deny::run(&root()),
+        ["dist", words @ ..] => dist::run(&root(), words),
+        ["doc"] => equations::document(&root()),
+        ["equations"] => equations::preprocess(),
+        // mdBook asks which renderers are supported; MathML is for browsers.
+        ["equations", "supports", "html"] => Ok(()),
+        ["equations", "supports", renderer] => bail!("equations are drawn for html, not for {renderer}"),
         ["error-vs-runtime"] => error_vs_runtime::run(&root()),
         ["error-vs-runtime", "--draw"] => error_vs_runtime::draw(&root()),
         ["error-vs-runtime", "--quick"] => error_vs_runtime::quick(&root()),
@@ -96,6 +116,8 @@ fn run() -> Result<()> {
         ["loop-family"] => loop_family::write(&root()),
         ["loop-family", files @ ..] => record_family::print(files),
         ["loop-series", folder] => loop_series::write(Path::new(folder)),
+        ["msrv"] => msrv::run(&root()),
+        ["package", words @ ..] => package::run(&root(), words),
         ["peers"] => peers::run(&root()),
         ["peers", "--draw"] => peers::draw(&root()),
         ["python"] => python::run(&root(), true),

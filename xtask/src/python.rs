@@ -25,7 +25,7 @@ pub(crate) fn run(root: &Path, required: bool) -> Result<()> {
         return Ok(());
     }
     let package = root.join("crates").join("python");
-    let building = VirtualEnvironment::with(&root.join("target").join("python").join("building"), BUILDING)?;
+    let building = building(root)?;
     let wheel = build(root, &building)?;
     eprintln!("checking types");
     let types = building.python().args(["-m", "mypy", "python/stickslip"]).current_dir(&package).status()?;
@@ -43,6 +43,19 @@ pub(crate) fn run(root: &Path, required: bool) -> Result<()> {
         .status()?;
     ensure!(tests.success(), "tests of the Python package fail");
     Ok(())
+}
+
+/// Builds the wheel and nothing else.
+///
+/// # Errors
+/// Without Python or a package index.
+pub(crate) fn wheel(root: &Path) -> Result<PathBuf> {
+    build(root, &building(root)?)
+}
+
+/// The environment in which it is built.
+fn building(root: &Path) -> Result<VirtualEnvironment> {
+    VirtualEnvironment::with(&root.join("target").join("python").join("building"), BUILDING)
 }
 
 /// The wheel, in `target/python/wheels`.

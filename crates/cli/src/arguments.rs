@@ -95,11 +95,13 @@ pub enum Command {
     /// Write an example scene and its loop into the current folder
     #[command(after_help = "Example:\n  stickslip init two-mass && stickslip sweep two-mass.json")]
     Init(InitArguments),
-    /// Print the JSON Schema of a scene, for editors
-    #[command(
-        after_help = "Example:\n  stickslip schema > scene.schema.json\n\nA scene that begins with \"$schema\": \"scene.schema.json\" is then completed and checked while it is written."
-    )]
-    Schema,
+    /// Print the JSON Schema of a scene or a study, for editors
+    #[command(after_help = SCHEMA)]
+    Schema {
+        /// Of which file
+        #[arg(value_enum, default_value = "scene")]
+        of: Described,
+    },
     /// Print the completions of a shell
     #[command(
         after_help = "Example:\n  stickslip completions bash > ~/.local/share/bash-completion/completions/stickslip"
@@ -109,12 +111,29 @@ pub enum Command {
         shell: clap_complete::Shell,
     },
     /// Print the manual page
-    #[command(after_help = "Examples:\n  stickslip man | man -l -\n  stickslip man sweep | man -l -")]
+    #[command(after_help = MAN)]
     Man {
         /// The page of one command
-        command: Option<String>,
+        command: Vec<String>,
+        /// Write the pages of all commands into FOLDER instead
+        #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
+        all: Option<PathBuf>,
     },
 }
+
+const SCHEMA: &str = "\
+Examples:
+  stickslip schema > scene.schema.json
+  stickslip schema study > study.schema.json
+
+A scene that begins with \"$schema\": \"scene.schema.json\" is then completed and checked while it is written; a study likewise.";
+
+const MAN: &str = "\
+Examples:
+  stickslip man | man -l -
+  stickslip man sweep | man -l -
+  stickslip man loop fit | man -l -
+  stickslip man --all ~/.local/share/man/man1";
 
 const SWEEP: &str = "\
 To a terminal without -o a short table is printed: peaks, worst points, time. Everything else gets the full result.
@@ -340,6 +359,15 @@ pub struct InitArguments {
     pub force: bool,
 }
 
+/// Files with a schema.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Described {
+    /// A structure, its contacts, its excitation
+    Scene,
+    /// A grid over entries of a scene
+    Study,
+}
+
 /// Forms of a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
@@ -396,6 +424,9 @@ pub enum Template {
     ElasticCoulomb,
     /// Two masses with a hardening spring and a bent resonance
     Cubic,
+    /// The paper's Fig. 4: a measured loop, and elastic Coulomb friction beside it
+    #[value(name = "hoffmann-2017")]
+    Hoffmann2017,
 }
 
 #[cfg(test)]

@@ -12,18 +12,28 @@ use crate::output::{Output, unwritable};
 /// A file of an example: its name and its text.
 type File = (&'static str, &'static str);
 
-const REFERENCE_LOOP: File = ("loops/reference.csv", include_str!("../../../scenes/loops/reference.csv"));
+// Links into the folder of scenes, which become files in a published crate.
+const REFERENCE_LOOP: File = ("loops/reference.csv", include_str!("init/reference.csv"));
+const TWO_MASS: File = ("two-mass.json", include_str!("init/two-mass.json"));
+const ELASTIC_COULOMB: File = ("elastic-coulomb.json", include_str!("init/elastic-coulomb.json"));
+const CUBIC: File = ("cubic.json", include_str!("init/cubic.json"));
+const PAPER: File = ("hoffmann-2017.json", include_str!("init/hoffmann-2017.json"));
+const PAPER_COULOMB: File =
+    ("hoffmann-2017-elastic-coulomb.json", include_str!("init/hoffmann-2017-elastic-coulomb.json"));
+
+// Where git cannot make links it writes their target into them.
+const _: () = assert!(
+    !matches!(PAPER.1.as_bytes().first(), Some(b'.')),
+    "crates/cli/src/init holds no links: check the sources out with core.symlinks=true"
+);
 
 /// The scene comes first.
 fn files(template: Template) -> Vec<File> {
     match template {
-        Template::TwoMass => {
-            vec![("two-mass.json", include_str!("../../../scenes/two-mass.json")), REFERENCE_LOOP]
-        }
-        Template::ElasticCoulomb => {
-            vec![("elastic-coulomb.json", include_str!("../../../scenes/elastic-coulomb.json"))]
-        }
-        Template::Cubic => vec![("cubic.json", include_str!("../../../scenes/cubic.json"))],
+        Template::TwoMass => vec![TWO_MASS, REFERENCE_LOOP],
+        Template::ElasticCoulomb => vec![ELASTIC_COULOMB],
+        Template::Cubic => vec![CUBIC],
+        Template::Hoffmann2017 => vec![PAPER, PAPER_COULOMB, REFERENCE_LOOP],
     }
 }
 

@@ -27,7 +27,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use crate::arguments::{Arguments, Command, LoopCommand};
+use crate::arguments::{Arguments, Command, Described, LoopCommand};
 use crate::ending::{Ending, Failure, say};
 
 fn main() -> ExitCode {
@@ -67,8 +67,10 @@ fn run(command: &Command) -> Result<Ending, Failure> {
         Command::Loop(LoopCommand::Fit(arguments)) => loop_fit::run(arguments),
         Command::Loop(LoopCommand::Scale(arguments)) => loop_scale::run(arguments),
         Command::Init(arguments) => init::run(arguments),
-        Command::Schema => output::print(scene::SCHEMA),
+        Command::Schema { of: Described::Scene } => output::print(scene::SCHEMA),
+        Command::Schema { of: Described::Study } => output::print(::study::SCHEMA),
         Command::Completions { shell } => manual::completions(*shell),
-        Command::Man { command } => manual::page(command.as_deref()),
+        Command::Man { all: Some(folder), .. } => manual::pages(folder),
+        Command::Man { command, all: None } => manual::page(command),
     }
 }

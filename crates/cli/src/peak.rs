@@ -20,9 +20,6 @@ const ROWS: usize = 12;
 /// Parts into which the work of a number of harmonics is divided for the bar.
 const PARTS: usize = 100;
 
-/// The parts of a scene on which its response depends without jumps.
-const FOLLOWED: [&str; 3] = ["/model/", "/excitation/", "/contacts/"];
-
 /// Follows the peaks and writes what was asked for.
 pub fn run(arguments: &PeaksArguments) -> Result<Ending, Failure> {
     let format = output::table_format(arguments.format, arguments.output.as_deref())?;
@@ -38,10 +35,7 @@ pub fn run(arguments: &PeaksArguments) -> Result<Ending, Failure> {
         scene = scene.with_frequencies(frequencies.clone());
     }
     let variants = Variants::from_file(path).map_err(|error| in_file(path, error))?;
-    check(arguments, &variants)?;
-
     let interrupted = interrupt();
-    let answer = Output::open(arguments.output.as_deref())?;
     let runs = arguments.harmonics.len().max(1);
     let bar = Progress::of(runs * PARTS, "parts");
     // Runs come one after the other, and each begins with nothing done.
@@ -64,6 +58,8 @@ pub fn run(arguments: &PeaksArguments) -> Result<Ending, Failure> {
         threads: arguments.threads.map(usize::from),
         progress: &progress,
     };
+    options.check(&variants).map_err(|error| Failure::input(format!("--{error}")))?;
+    let answer = Output::open(arguments.output.as_deref())?;
     let found = scene.peaks(&variants, &options);
     bar.clear();
     let found = found.map_err(|error| in_file(path, error))?;
@@ -90,30 +86,6 @@ pub fn run(arguments: &PeaksArguments) -> Result<Ending, Failure> {
         () if found.curves.iter().all(sound) => Ending::Done,
         () => Ending::SomeFailed,
     })
-}
-
-/// Refuses what varies nothing, or what makes no scene.
-fn check(arguments: &PeaksArguments, variants: &Variants) -> Result<(), Failure> {
-    let PeaksArguments { vary: pointer, from, to, log, .. } = arguments;
-    variants.number(pointer).map_err(|why| Failure::input(format!("--vary {pointer}: {why}")))?;
-    if !FOLLOWED.iter().any(|part| pointer.starts_with(part)) {
-        return Err(Failure::input(format!(
-            "--vary {pointer}: peaks are no curve over it; name an entry of the model, the excitation or a contact"
-        )));
-    }
-    if from >= to {
-        return Err(Failure::input(format!("--to: must be above --from, got {to} and {from}")));
-    }
-    if *log && *from <= 0.0 {
-        return Err(Failure::input(format!("--log: --from must be positive, got {from}")));
-    }
-    // What lies between them is tried as well: entries that must be whole numbers have no curve.
-    for value in [*from, *to, from + 0.382 * (to - from)] {
-        let with = || format!("--vary: with {pointer} = {value}");
-        let scene = variants.scene(&[(pointer, value)]).and_then(|scene| scene.prepare().map(|_| ()));
-        scene.map_err(|error| Failure::Input(anyhow::Error::new(error).context(with())))?;
-    }
-    Ok(())
 }
 
 fn csv(found: &PeaksOutcome, out: &mut dyn io::Write) -> io::Result<()> {

@@ -20,7 +20,11 @@ pub struct CoulombParameters {
     pub velocity: f64,
 }
 
-/// f = F_s tanh(ẇ/v).
+/// Friction without sticking:
+///
+/// ```math
+/// f = F_s \tanh \frac{\dot w}{v}
+/// ```
 ///
 /// It creeps instead of sticking. How steep it turns is the ratio of the velocity amplitude to v: harmonics fall as
 /// slowly as a rectangle's (1/k) up to about that order, geometrically beyond.

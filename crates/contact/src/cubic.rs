@@ -16,7 +16,7 @@ pub struct CubicParameters {
     pub stiffness: f64,
 }
 
-/// f = k₃ w³.
+/// The spring $`f = k_3 w^3`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cubic {
     stiffness: f64,

@@ -25,7 +25,11 @@ pub struct ElasticCoulombParameters {
     pub slip_force: f64,
 }
 
-/// Spring k_t in series with a slider of slip force F_s.
+/// Spring k_t in series with a slider of slip force F_s,
+///
+/// ```math
+/// f = k_t (w - s), \qquad |f| \le F_s, \qquad \dot s = 0 \text{ unless } |f| = F_s .
+/// ```
 ///
 /// Between turning points the displacement is monotone, so the force follows the spring until it reaches ±F_s and
 /// stays there; at the next turning point the slider rests again. The global maximum of a period that slips at all

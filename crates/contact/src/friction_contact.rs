@@ -31,6 +31,11 @@ pub struct FrictionContactParameters {
 
 /// Spring k_t in series with a Coulomb slider of limit μN, and a unilateral spring k_n in the normal direction.
 ///
+/// ```math
+/// N = \begin{cases} \max(N_0 + k_n n,\ 0) & \text{with a preload} \\ \max(k_n (n - g),\ 0) & \text{with a gap} \end{cases}
+/// \qquad f = k_t (w - s), \qquad |f| \le \mu N
+/// ```
+///
 /// The tangential force is f = k_t (w − s) with the slider s in the interval (two directions: the disc) of radius μN/k_t around
 /// w; it moves only when its edge pushes it, in the direction of f. Apart there is no force and the slider follows. Of the
 /// periodic states of a contact that never slips, the one is taken whose slider is nearest to the mean displacement; where it
@@ -235,11 +240,20 @@ impl JointLaw for FrictionContact {
     fn piecewise_linear(&self) -> Option<&dyn JointPiecewiseLinear> {
         (self.tangential == 1).then_some(self)
     }
+
+    /// The pressure in any case: its work, and what sampling would add to it, is far larger than that of friction where the
+    /// bodies part.
+    fn partly_piecewise_linear(&self) -> Option<&dyn JointPiecewiseLinear> {
+        (self.tangential > 1).then_some(self)
+    }
 }
 
 impl JointPiecewiseLinear for FrictionContact {
     fn couplings(&self) -> Vec<Coupling> {
-        couplings()
+        match self.tangential {
+            1 => couplings(),
+            normal => vec![Coupling { force: normal, displacement: normal, pieces: Vec::new() }],
+        }
     }
 
     fn pieces(
@@ -248,11 +262,18 @@ impl JointPiecewiseLinear for FrictionContact {
         workspace: &mut dyn JointWorkspace,
         couplings: &mut [Coupling],
     ) -> Result<JointMarks, LawError> {
-        let buffers = workspace.as_any_mut().downcast_mut::<Buffers<1>>().ok_or(LawError::OtherWorkspace)?;
-        if motion.directions != 2 {
+        if motion.directions != self.tangential + 1 {
             return Err(LawError::OtherWorkspace);
         }
         let Self { stiffness, friction, ref normal, .. } = *self;
-        FrictionEvents { stiffness, friction, normal }.pieces(motion, &mut buffers.events, couplings)
+        let law = FrictionEvents { stiffness, friction, normal };
+        if self.tangential == 1 {
+            let buffers =
+                workspace.as_any_mut().downcast_mut::<Buffers<1>>().ok_or(LawError::OtherWorkspace)?;
+            return law.pieces(motion, &mut buffers.events, couplings);
+        }
+        let buffers = workspace.as_any_mut().downcast_mut::<Buffers<2>>().ok_or(LawError::OtherWorkspace)?;
+        let [normal] = couplings else { return Err(LawError::OtherWorkspace) };
+        law.normal_pieces(motion, &mut buffers.events, normal)
     }
 }

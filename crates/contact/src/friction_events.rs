@@ -64,26 +64,12 @@ impl FrictionEvents<'_> {
         couplings: &mut [Coupling],
     ) -> Result<JointMarks, LawError> {
         let [own, by_load, normal] = couplings else { return Err(LawError::OtherWorkspace) };
-        [&mut *own, by_load, normal].into_iter().for_each(|coupling| coupling.pieces.clear());
-        let always = self.find_contacts(motion, buffers)?;
+        [&mut *own, by_load].into_iter().for_each(|coupling| coupling.pieces.clear());
+        let mut marks = self.normal_pieces(motion, buffers, normal)?;
+        let always = buffers.contacts.first() == Some(&(0.0, TAU));
         let at_rest = self.normal.load(0.0);
         let kn = self.normal.stiffness();
-        let balanced = self.normal.balanced();
-        if always {
-            normal.pieces.push(piece(0.0, TAU, kn, at_rest - balanced, None));
-        } else {
-            let touching = |&(from, to): &(f64, f64)| piece(from, to, kn, at_rest, None);
-            normal.pieces.extend(buffers.contacts.iter().map(touching));
-            normal.pieces.push(piece(0.0, TAU, 0.0, -balanced, None));
-        }
-        let touching: f64 = buffers.contacts.iter().map(|(from, to)| to - from).sum();
-        let apart = if always { 0.0 } else { 1.0 - touching / TAU };
-        let mut marks = JointMarks { state: ContactState::Slip, apart, cycles: 1, extrapolated: false };
-        if buffers.contacts.is_empty() {
-            marks.state = ContactState::Apart;
-            return Ok(marks);
-        }
-        if self.friction == 0.0 {
+        if buffers.contacts.is_empty() || self.friction == 0.0 {
             return Ok(marks);
         }
         let (spectrum, approach) = (motion.spectrum_of(0), motion.spectrum_of(1));
@@ -138,13 +124,39 @@ impl FrictionEvents<'_> {
         Ok(marks)
     }
 
+    /// The pieces of the normal force, which depends on the approach alone; marks as if nothing stuck.
+    pub(crate) fn normal_pieces(
+        &self,
+        motion: &JointMotion,
+        buffers: &mut EventBuffers,
+        normal: &mut Coupling,
+    ) -> Result<JointMarks, LawError> {
+        normal.pieces.clear();
+        let always = self.find_contacts(motion, buffers)?;
+        let at_rest = self.normal.load(0.0);
+        let kn = self.normal.stiffness();
+        let balanced = self.normal.balanced();
+        if always {
+            normal.pieces.push(piece(0.0, TAU, kn, at_rest - balanced, None));
+        } else {
+            let touching = |&(from, to): &(f64, f64)| piece(from, to, kn, at_rest, None);
+            normal.pieces.extend(buffers.contacts.iter().map(touching));
+            normal.pieces.push(piece(0.0, TAU, 0.0, -balanced, None));
+        }
+        let touching: f64 = buffers.contacts.iter().map(|(from, to)| to - from).sum();
+        let apart = if always { 0.0 } else { 1.0 - touching / TAU };
+        let state = if buffers.contacts.is_empty() { ContactState::Apart } else { ContactState::Slip };
+        Ok(JointMarks { state, apart, cycles: 1, extrapolated: false })
+    }
+
     /// Fills in from where to where the bodies touch; whether they always do.
     fn find_contacts(&self, motion: &JointMotion, buffers: &mut EventBuffers) -> Result<bool, LawError> {
         buffers.contacts.clear();
+        let normal = motion.directions.saturating_sub(1);
         let approach = Motion {
-            spectrum: motion.spectrum_of(1),
+            spectrum: motion.spectrum_of(normal),
             displacement: &[],
-            velocity: motion.velocity_of(1),
+            velocity: motion.velocity_of(normal),
             odd: false,
             omega: 0.0,
         };

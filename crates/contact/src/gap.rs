@@ -22,7 +22,7 @@ pub struct GapParameters {
     pub gap: f64,
 }
 
-/// f = k max(w − g, 0).
+/// The spring $`f = k \max(w - g, 0)`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gap {
     stiffness: f64,

@@ -50,7 +50,12 @@ impl IwanParameters {
     }
 }
 
-/// A stack of Jenkins elements in parallel and a spring: Iwan's law.
+/// A stack of Jenkins elements in parallel and a spring: Iwan's law. After a reversal at $`(w_r, f_r)`$ it follows the backbone
+/// $`f_b`$, the force of a first loading from rest, at twice its scale (Masing's rule),
+///
+/// ```math
+/// f = f_r \mp 2 f_b\!\left(\frac{|w - w_r|}{2}\right) .
+/// ```
 ///
 /// A slider that never slips during a motion rests where [`ElasticCoulomb`] rests, so that a stack of finitely many
 /// sliders is the sum of its elements for every motion.

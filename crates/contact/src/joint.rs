@@ -135,6 +135,12 @@ pub trait JointLaw: Send + Sync + fmt::Debug {
         None
     }
 
+    /// Where the forces need samples: those of some directions by their events all the same. Every direction that is a
+    /// coupling's `force` is known by its couplings alone.
+    fn partly_piecewise_linear(&self) -> Option<&dyn JointPiecewiseLinear> {
+        None
+    }
+
     /// What moves the joint in time, for those who integrate motions.
     fn mechanism(&self) -> JointMechanism {
         JointMechanism::None { why: "its forces at an instant depend on the whole period" }

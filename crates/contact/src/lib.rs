@@ -10,10 +10,10 @@
 //! | [`LoopFamily`] | `loop_family.rs` | measured loops at several amplitudes, interpolated |
 //! | [`ElasticCoulomb`] | `elastic_coulomb.rs` | spring in series with a Coulomb slider (Jenkins element) |
 //! | [`Iwan`] | `iwan.rs` | Jenkins elements in parallel, from a backbone (Masing's rule) |
-//! | [`Coulomb`] | `coulomb.rs` | F_s tanh(ẇ/v) |
-//! | [`Cubic`] | `cubic.rs` | k₃ w³ |
-//! | [`Gap`] | `gap.rs` | k max(w − g, 0) |
-//! | [`Linear`] | `linear.rs` | k w |
+//! | [`Coulomb`] | `coulomb.rs` | $`F_s \tanh(\dot w / v)`$ |
+//! | [`Cubic`] | `cubic.rs` | $`k_3 w^3`$ |
+//! | [`Gap`] | `gap.rs` | $`k \max(w - g, 0)`$ |
+//! | [`Linear`] | `linear.rs` | $`k w`$ |
 //!
 //! A contact in several directions, friction under a normal load that the motion changes, is a [`JointLaw`]:
 //!
@@ -30,9 +30,9 @@
 //!
 //! # Conventions
 //!
-//! * Relative displacement over the phase τ ∈ [0, 2π) of one period: `w(τ) = Re Σ_{k=0..N} W_k e^{ikτ}`, one-sided
-//!   complex amplitudes, `W_0` real; metres.
-//! * Forces are in **rig convention**: the force that drives the contact, `∮ f dw ≥ 0`; newtons. The force on
+//! * Relative displacement over the phase τ ∈ [0, 2π) of one period, in one-sided complex amplitudes, `W_0` real, in metres:
+//!   $`w(\tau) = \operatorname{Re} \sum_{k=0}^{N} W_k \mathrm e^{\mathrm i k \tau}`$.
+//! * Forces are in **rig convention**: the force that drives the contact, $`\oint f\,\mathrm dw \ge 0`$; newtons. The force on
 //!   the vibrating mass is `−f`.
 
 mod backbone;

@@ -16,7 +16,7 @@ pub struct LinearParameters {
     pub stiffness: f64,
 }
 
-/// f = k w.
+/// The spring $`f = k w`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linear {
     stiffness: f64,

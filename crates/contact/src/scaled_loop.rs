@@ -50,7 +50,15 @@ impl Symmetry {
     }
 }
 
-/// A measured loop scaled to the current amplitude.
+/// A measured loop scaled to the current amplitude $`a = \alpha W^*`$, over its loop phase θ in rig convention:
+///
+/// ```math
+/// f = \operatorname{Re} \sum_k c_k(\alpha) \,\mathrm e^{\mathrm i k \theta}, \qquad
+/// c_1 = -g(\alpha) F^* \mathrm e^{\mathrm i \psi_C(\alpha)}, \qquad
+/// c_k = \frac{\operatorname{Im} c_1(\alpha)}{\operatorname{Im} F^*_1} F^*_k \quad (k \ge 2) .
+/// ```
+///
+/// For one harmonic this is eqs (6) to (9) of the paper; the force on the mass is −f.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScaledLoop {
     magnitude: MagnitudeLaw,

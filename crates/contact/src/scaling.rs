@@ -6,7 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::ParameterError;
 
-/// g(α) = offset + slope · ln(α + shift), eq. (6): force magnitude over F*.
+/// Force magnitude over F*, eq. (6):
+///
+/// ```math
+/// g(\alpha) = \text{offset} + \text{slope} \cdot \ln(\alpha + \text{shift}) \tag{6}
+/// ```
 ///
 /// The paper fitted it to the *turning points* of measured loops and uses it for the first harmonic.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -60,7 +64,11 @@ impl MagnitudeLaw {
     }
 }
 
-/// ψ_C(α) = limit − span · e^{−decay α}, eq. (7): phase of the contact force on the mass against the displacement.
+/// Phase of the contact force on the mass against the displacement, eq. (7):
+///
+/// ```math
+/// \psi_C(\alpha) = \text{limit} - \text{span} \cdot \mathrm e^{-\text{decay} \cdot \alpha} \tag{7}
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PhaseLaw {

@@ -19,6 +19,7 @@ use crate::error::PlanError;
 use crate::newton::FLOOR;
 use crate::plan::Plan;
 use crate::problem::Problem;
+use crate::prominence::keep_prominent;
 use crate::settings::Settings;
 use crate::solution::{Solution, Status};
 use crate::workspace::Workspace;
@@ -131,7 +132,11 @@ pub(crate) struct Place {
 
 /// The response of `problem` as a curve from one frequency in Hz to another, with N harmonics solved by Newton's method
 /// throughout (no tail, no estimates). No resonance of the linear structure, with contacts sticking or without any, is
-/// stepped over.
+/// stepped over. A point (u, λ) of a curve follows from the guess along the last tangent t by pseudo-arclength,
+///
+/// ```math
+/// r(u, \lambda) = 0, \qquad \langle t, (u, \lambda) - \text{guess} \rangle = 0 .
+/// ```
 ///
 /// # Errors
 /// As [`Plan::new`].
@@ -237,6 +242,7 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
         (place, here) = (next, ahead);
     };
     curve.points.sort_by(|a, b| a.arclength.total_cmp(&b.arclength));
+    keep_prominent(&mut curve.points, course.plan());
     curve
 }
 

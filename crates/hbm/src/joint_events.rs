@@ -27,11 +27,35 @@ impl JointBuffers {
             velocity: &self.velocity,
         };
         self.marks = events.pieces(&motion, &mut *self.law, &mut self.couplings)?;
+        self.integrate();
+        Ok(())
+    }
+
+    /// The series of those directions that need no samples, beside the others that were evaluated just before.
+    pub(crate) fn evaluate_part(&mut self, events: &dyn JointPiecewiseLinear) -> Result<(), LawError> {
+        let motion = JointMotion {
+            directions: self.directions(),
+            spectrum: &self.spectrum,
+            displacement: &self.displacement,
+            velocity: &self.velocity,
+        };
+        self.marks.apart = events.pieces(&motion, &mut *self.law, &mut self.couplings)?.apart;
+        self.integrate();
+        Ok(())
+    }
+
+    fn integrate(&mut self) {
         for (series, coupling) in self.series.iter_mut().zip(&self.couplings) {
             series.pieces.clone_from(&coupling.pieces);
-            series.integrate(motion.spectrum_of(coupling.displacement), self.harmonics - 1, false);
+            let of = coupling.displacement * self.harmonics;
+            let spectrum = &self.spectrum[of..of + self.harmonics];
+            series.integrate(spectrum, self.harmonics - 1, false);
         }
-        Ok(())
+    }
+
+    /// Whether the force in a direction comes from its events.
+    pub(crate) fn has_events(&self, direction: usize) -> bool {
+        self.couplings.iter().any(|coupling| coupling.force == direction)
     }
 
     /// The force harmonics at `orders[slot]` in one direction by the series of the last evaluation, in N.

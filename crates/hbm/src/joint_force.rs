@@ -75,7 +75,8 @@ impl JointBuffers {
     pub(crate) fn new(joint: &Joint, samples: usize, highest: usize) -> Self {
         let directions = joint.directions.len();
         let in_time = || vec![0.0; directions * samples];
-        let couplings = joint.law.piecewise_linear().map_or(Vec::new(), |events| events.couplings());
+        let events = joint.law.piecewise_linear().or_else(|| joint.law.partly_piecewise_linear());
+        let couplings = events.map_or(Vec::new(), |events| events.couplings());
         Self {
             series: couplings.iter().map(|_| PieceSeries::default()).collect(),
             couplings,
@@ -163,7 +164,12 @@ impl Balance<'_> {
                 continue;
             }
             own.evaluate(joint, self.transform, &mut buffers.fft)?;
-            for (force, row) in own.force.chunks_exact(self.transform.samples()).zip(rows) {
+            if let Some(events) = joint.law.partly_piecewise_linear().filter(|_| self.exact) {
+                own.evaluate_part(events)?;
+            }
+            let samples = self.transform.samples();
+            for (direction, row) in rows.enumerate() {
+                let force = &own.force[direction * samples..(direction + 1) * samples];
                 let coefficients = self.transform.to_coefficients(force, &mut buffers.fft);
                 let unit = joint.scale / point.force[row];
                 // Beyond the motion's harmonics as well: what the next rung of a ladder begins with.
@@ -171,6 +177,12 @@ impl Balance<'_> {
                 for (slot, &order) in known.take_while(|(_, order)| 2 * **order < self.transform.samples()) {
                     let one_sided = if order == 0 { 1.0 } else { 2.0 };
                     buffers.forces[slot * width + row] = coefficients[order] * (one_sided * unit);
+                }
+                if self.exact && own.has_events(direction) {
+                    for slot in 0..slots {
+                        let force = own.force_by_events(direction, &self.orders[..slots], slot);
+                        buffers.forces[slot * width + row] = force * unit;
+                    }
                 }
                 self.blend_secant(point, slots, homotopy, row, unknowns, &mut buffers.forces);
             }
@@ -221,6 +233,14 @@ impl Balance<'_> {
                     }
                 }
             }
+        }
+        if self.exact && joint.law.partly_piecewise_linear().is_some() {
+            for (index, blocks) in derivative.blocks.chunks_exact_mut(slots).enumerate() {
+                if own.has_events(index % directions) {
+                    blocks.fill((c64::ZERO, c64::ZERO));
+                }
+            }
+            derivative.by_events(own, &self.orders[..slots]);
         }
     }
 

@@ -1,12 +1,24 @@
 //! N-harmonic balance with alternating frequency–time (AFT) evaluation of contact forces.
 //!
-//! `M ẅ + D ẇ + C w = f_ext − Σ contacts` is solved for its periodic response, eqs (1)–(4) of the paper for any
-//! number of harmonics N. The corridor: [`Problem`] (model, excitation, contacts) → [`Plan`] (what this problem
+//! The periodic response of
+//!
+//! ```math
+//! M \ddot w + D \dot w + C w = f_\mathrm{ext}(t) - B f(u, \dot u), \qquad u = B^{\mathsf T} w \tag{1, 2}
+//! ```
+//!
+//! is found in the relative displacements u of the contacts, harmonic by harmonic, k = 0 … N:
+//!
+//! ```math
+//! u_k + G_k F_k(u) = u^0_k, \qquad G_k = B^{\mathsf T} H_k^{-1} B, \qquad
+//! u^0_k = B^{\mathsf T} H_k^{-1} F_{\mathrm{ext},k}, \qquad H_k = C - (k\Omega)^2 M + \mathrm i k \Omega D \tag{4}
+//! ```
+//!
+//! with F_k the harmonics of f in rig convention (numbers are those of the paper's equations). The corridor: [`Problem`] (model, excitation, contacts) → [`Plan`] (what this problem
 //! needs, made once) → [`Solution`] for each frequency; [`sweep`] maps the last step over frequencies in parallel.
 //!
 //! # Conventions
 //!
-//! One-sided complex amplitudes, `w(t) = Re Σ_{k=0..N} W_k e^{ikΩt}`; SI units; frequencies in Hz. A contact force is
+//! One-sided complex amplitudes, $`w(t) = \operatorname{Re} \sum_{k=0}^{N} W_k \mathrm e^{\mathrm i k \Omega t}`$; SI units; frequencies in Hz. A contact force is
 //! given as it acts **on the first body** of the contact: it opposes the motion.
 
 mod balance;
@@ -45,6 +57,7 @@ mod plan;
 mod plan_check;
 mod point;
 mod problem;
+mod prominence;
 mod report;
 mod responses;
 mod rows;

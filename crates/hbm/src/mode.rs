@@ -122,7 +122,13 @@ const ASIDE: f64 = 0.03;
 /// Amplitudes tried for a first point.
 const STARTS: usize = 13;
 
-/// The mode of `problem` over the amplitudes of `options`. Its excitation matters for [`ModePoint::excitation`] alone, but
+/// The mode of `problem` over the amplitudes of `options`: the free periodic motion of
+///
+/// ```math
+/// M \ddot w + (D - 2 \zeta \omega M) \dot w + C w = -\sum \text{contacts}
+/// ```
+///
+/// with the frequency ω and the damping ratio ζ unknown and the amplitude given (Krack 2015, Computers & Structures 154). Its excitation matters for [`ModePoint::excitation`] alone, but
 /// for a static preload, which acts.
 ///
 /// # Errors

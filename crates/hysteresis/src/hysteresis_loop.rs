@@ -6,12 +6,17 @@ use num_complex::Complex64;
 
 use crate::error::LoopError;
 
-/// One friction hysteresis loop in rig convention: `f(θ) = Re Σ_{k=0..K} F_k e^{ikθ}` \[N\] over the loop
-/// phase θ \[rad\], where the displacement is `a cos θ` \[m\] (Hoffmann et al. 2017, section 3: the
-/// measured hysteresis decomposed into its Fourier series; here one-sided and over loop phase).
+/// One friction hysteresis loop in rig convention: force in N and displacement in m over the loop phase θ in rad,
+///
+/// ```math
+/// f(\theta) = \operatorname{Re} \sum_{k=0}^{K} F_k \,\mathrm e^{\mathrm i k \theta}, \qquad w(\theta) = a \cos \theta
+/// ```
+///
+/// (Hoffmann et al. 2017, section 3: the measured hysteresis decomposed into its Fourier series; here one-sided and over
+/// loop phase).
 ///
 /// θ from 0 to π is the unloading branch, from −π to 0 the loading branch. Because `f` is the force the rig
-/// applies, `∮ f dw = π a Im F_1 > 0`; the force on a vibrating body has the opposite sign.
+/// applies, $`\oint f\,\mathrm dw = \pi a \operatorname{Im} F_1 > 0`$; the force on a vibrating body has the opposite sign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loop {
     displacement_amplitude: f64,

@@ -11,8 +11,13 @@
 //! # Conventions
 //!
 //! Everything is in the *rig convention*: the force is the one the rig applies, so a loop that dissipates
-//! has `∮ f dw > 0`. Complex amplitudes are one-sided, `f(θ) = Re Σ_{k=0..K} F_k e^{ikθ}`, over the *loop
-//! phase* θ, defined by the displacement `w = mid + a cos θ`: θ runs from 0 to π on the unloading branch
+//! has $`\oint f\,\mathrm dw > 0`$. Complex amplitudes are one-sided, over the *loop phase* θ,
+//!
+//! ```math
+//! f(\theta) = \operatorname{Re} \sum_{k=0}^{K} F_k \,\mathrm e^{\mathrm i k \theta}, \qquad w = w_\mathrm{mid} + a \cos \theta .
+//! ```
+//!
+//! θ runs from 0 to π on the unloading branch
 //! (from the upper turning point to the lower one) and from −π to 0 on the loading branch. `a` is half the
 //! peak-to-peak displacement. Where a motion had been a pure cosine, θ would be Ωt; it need not have been.
 //!

@@ -3,11 +3,18 @@
 //! Independent of harmonic balance: motions are followed in time, from event to event in closed form where all
 //! mechanisms are piecewise linear, with a high-order integrator where they are smooth, and closed to a period by
 //! Newton's method on the period map (shooting). Of a contact law only its parameters are used
-//! ([`contact::Law::mechanism`]).
+//! ([`contact::Law::mechanism`]). With the state x = (w, ẇ, spring forces of the sliders) an orbit of the period T is a fixed
+//! point of the period map P,
+//!
+//! ```math
+//! P(x_0) - x_0 = 0, \qquad P : x(0) \mapsto x(T), \qquad \Phi = \frac{\partial P}{\partial x_0}(x_0) ,
+//! ```
+//!
+//! and the eigenvalues of the monodromy matrix Φ ([`Orbit::monodromy`]) say whether it is stable.
 //!
 //! # Conventions
 //!
-//! `M ẅ + D ẇ + C w = f_ext(t) − Σ contacts`; one-sided complex amplitudes `w(t) = Re Σ W_k e^{ikΩt}`; SI units,
+//! $`M \ddot w + D \dot w + C w = f_\mathrm{ext}(t) - \sum \text{contacts}`$; one-sided complex amplitudes `w(t) = Re Σ W_k e^{ikΩt}`; SI units,
 //! frequencies in Hz. Contact forces are given as they act on the first body.
 
 mod collocation;

@@ -66,10 +66,12 @@ impl Orbit {
     pub fn locked_sliders(&self) -> Vec<(usize, usize)> {
         let contacts = self.system.links.iter().enumerate();
         let sliders = contacts.flat_map(|(c, link)| (0..link.sliders.len()).map(move |slider| (c, slider)));
-        // Without events a contact that opens sticks all the time where it sticks at the begin.
-        let begin = self.path.pieces.first();
+        // Without events it sticks, slips (in a plane) or is apart all the time; a slip that goes on from the period before is
+        // begun anew within rounding.
         let sticks = |link: usize| {
-            begin.and_then(|piece| piece.elastic.get(link)).is_some_and(|elastic| elastic.stiffness > 0.0)
+            let stiff =
+                |piece: &Piece| piece.elastic.get(link).is_some_and(|elastic| elastic.stiffness > 0.0);
+            self.path.pieces.iter().all(stiff)
         };
         let frictions = self.system.frictions().filter(|(_, _, friction)| sticks(friction.link));
         sliders

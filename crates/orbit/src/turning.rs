@@ -19,12 +19,13 @@
 use crate::number::Number;
 use crate::polynomial::{Polynomial, TERMS};
 
-/// Phase before the bodies part within which the force does not turn any more: of its impulse, the square of this is lost.
-const LEAVING: f64 = 1e-9;
+/// Phase σ before the bodies part within which the force does not turn any more. What it turns by goes like σ where the body is
+/// fast against the edge, |w'| > |r'|, and like a lower power else: of the impulse σ³ is lost, or σ².
+const LEAVING: [f64; 2] = [1e-6, 1e-9];
 /// Size of the last coefficients of e that is below rounding.
 const TAIL: f64 = 1e-16;
 /// Radians that e may turn towards w' in a step; the recursion amplifies rounding by the exponential of this.
-const MOST_TURN: f64 = 2.0;
+const MOST_TURN: f64 = 5.0;
 
 /// How a step of slip begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -160,7 +161,7 @@ impl Turning<f64> {
     pub(crate) fn judge(reach: f64, reach_rate: f64, speed: f64, met: bool) -> (Phase, f64) {
         if met {
             (Phase::Met, f64::INFINITY)
-        } else if reach_rate < 0.0 && reach < -LEAVING * reach_rate {
+        } else if reach_rate < 0.0 && reach < -LEAVING[usize::from(speed < -reach_rate)] * reach_rate {
             (Phase::Leaving, f64::INFINITY)
         } else {
             (Phase::Slipping, MOST_TURN * reach / (speed + reach_rate.abs()).max(f64::MIN_POSITIVE))

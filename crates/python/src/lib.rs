@@ -18,7 +18,8 @@ use pyo3::prelude::*;
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("SCHEMA", ::scene::SCHEMA)?;
+    module.add("SCENE_SCHEMA", ::scene::SCHEMA)?;
+    module.add("STUDY_SCHEMA", ::study::SCHEMA)?;
     errors::add(py, module)?;
     module.add_class::<scene::Scene>()?;
     module.add_class::<study::Study>()?;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use num_complex::Complex64;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use scene::{ContactOutcome, ContactPoint, DirectionPoint, JointPoint, Point, Spectrum};
+use scene::{ContactOutcome, ContactPoint, DirectionPoint, JointPoint, Point, PointStability, Spectrum};
 
 use crate::arrays::{shaped, vector};
 
@@ -53,6 +53,15 @@ pub(crate) fn columns<'py>(
     columns.set_item("truncation_error", numbers(|p| p.truncation_error.unwrap_or(f64::NAN)))?;
     columns.set_item("sampling_error", numbers(|p| p.sampling_error.unwrap_or(f64::NAN)))?;
 
+    columns.set_item("stable", PyList::new(py, points.iter().map(|p| judged(p).and_then(|s| s.stable)))?)?;
+    columns.set_item("stability_error", numbers(|p| judged(p).map_or(f64::NAN, |s| s.error)))?;
+    let most = points.iter().filter_map(|p| judged(p)).map(|s| s.multipliers.len()).max().unwrap_or(0);
+    let multipliers = points.iter().flat_map(|point| {
+        let known = judged(point).map_or(&[][..], |s| &s.multipliers);
+        (0..most).map(|i| known.get(i).copied().unwrap_or(MISSING))
+    });
+    columns.set_item("multipliers", shaped(py, multipliers.collect(), &[points.len(), most])?)?;
+
     let orders = orders(points);
     let spectra = points.iter().flat_map(|point| {
         (0..dofs.len()).flat_map(|dof| {
@@ -66,6 +75,11 @@ pub(crate) fn columns<'py>(
     columns.set_item("orders", vector(py, orders.iter().map(|k| *k as i64).collect::<Vec<i64>>()))?;
     columns.set_item("dofs", PyList::new(py, dofs)?)?;
     Ok(columns)
+}
+
+/// Its stability, where it is known.
+fn judged(point: &Point) -> Option<&PointStability> {
+    point.stability.as_ref()?.as_ref()
 }
 
 /// By the contacts' names what they do; those in several directions by direction.

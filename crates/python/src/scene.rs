@@ -10,7 +10,7 @@ use contact::Law;
 use hbm::{ContinuationOptions, Origin};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use scene::{Along, BackboneOptions, RunOptions, Variants};
+use scene::{Along, BackboneOptions, PeaksOptions, RunOptions, Variants};
 use serde::Serialize;
 
 use crate::arrays::{shaped, vector};
@@ -30,6 +30,9 @@ pub(crate) struct Scene {
 /// Between two looks at Ctrl-C, and two reports of progress.
 const PATIENCE: std::time::Duration = std::time::Duration::from_millis(50);
 
+/// Why work ended early: Ctrl-C, or what a progress function raised. Raised again in Python, together with what is finished.
+type Stopped = Option<PyErr>;
+
 /// Runs `work` without the interpreter's lock on another thread, while this one reports progress and listens for Ctrl-C.
 /// `work` gets the flag that stops it and a place for the number of finished points.
 fn watched<T: Send>(
@@ -37,7 +40,7 @@ fn watched<T: Send>(
     progress: Option<Py<PyAny>>,
     raised: &Raised,
     work: impl FnOnce(&AtomicBool, &(dyn Fn(usize) + Sync)) -> T + Send,
-) -> PyResult<T> {
+) -> PyResult<(T, Stopped)> {
     let (stop, done) = (AtomicBool::new(false), std::sync::atomic::AtomicUsize::new(0));
     let finished = |count: usize| {
         done.fetch_max(count, Ordering::Relaxed);
@@ -78,10 +81,25 @@ fn watched<T: Send>(
         })
     });
     raised.again()?;
-    looked?;
-    answer
-        .map_err(|_| errors::StickslipError::new_err("an error in stickslip itself; please report the scene"))
+    match answer {
+        Ok(answer) => Ok((answer, looked.err())),
+        Err(_) => {
+            Err(errors::StickslipError::new_err("an error in stickslip itself; please report the scene"))
+        }
+    }
 }
+
+/// An answer, or else why there is none: that it was stopped, before what is wrong with a half of it.
+fn finished<T, E>(answer: Result<T, E>, stopped: Stopped, refused: fn(E) -> PyErr) -> PyResult<(T, Stopped)> {
+    match (answer, stopped) {
+        (Ok(answer), stopped) => Ok((answer, stopped)),
+        (Err(_), Some(stopped)) => Err(stopped),
+        (Err(error), None) => Err(refused(error)),
+    }
+}
+
+/// Columns, the whole result as JSON, and the exception that ended it early.
+type Points<'py> = (Bound<'py, PyDict>, String, Stopped);
 
 #[pymethods]
 impl Scene {
@@ -137,28 +155,36 @@ impl Scene {
         Ok(steps.into_iter().map(|s| (s.what.to_string(), s.used, s.why.to_string())).collect())
     }
 
-    /// The response at every frequency: (columns, the whole result as JSON).
-    #[pyo3(signature = (threads=None, progress=None, all_solutions=false))]
+    /// The response at every frequency.
+    #[pyo3(signature = (threads=None, progress=None, all_solutions=false, stability=false))]
     fn sweep<'py>(
         &self,
         py: Python<'py>,
         threads: Option<usize>,
         progress: Option<Py<PyAny>>,
         all_solutions: bool,
-    ) -> PyResult<(Bound<'py, PyDict>, String)> {
+        stability: bool,
+    ) -> PyResult<Points<'py>> {
         let scene = if all_solutions { self.scene.clone().with_all_solutions() } else { self.scene.clone() };
-        let solved = watched(py, progress, &self.raised, |stop, finished| {
+        let scene = if stability { scene.with_stability() } else { scene };
+        let (solved, stopped) = watched(py, progress, &self.raised, |stop, finished| {
             let prepared = scene.prepare()?;
             let options = RunOptions { threads, cancel: Some(stop), progress: Some(finished) };
-            Ok(prepared.solve(&options).outcome())
+            let mut solved = prepared.solve(&options);
+            solved.judge(&|problem, orders, solution| match stop.load(Ordering::Relaxed) {
+                true => Err("stopped before".into()),
+                false => ::study::stability(problem, orders, solution),
+            });
+            Ok(solved.outcome())
         })?;
-        let outcome = solved.map_err(|error: ::scene::SceneError| errors::scene(error))?;
+        let refused = |error: ::scene::SceneError| errors::scene(error);
+        let (outcome, stopped) = finished(solved, stopped, refused)?;
         let points: Vec<_> = outcome.points.iter().collect();
-        Ok((columns(py, &points, &outcome.dofs)?, json(py, &outcome)?))
+        Ok((columns(py, &points, &outcome.dofs)?, json(py, &outcome)?, stopped))
     }
 
-    /// The response as a curve: (columns, the whole result as JSON).
-    #[pyo3(signature = (begin, end, along=None, at=None))]
+    /// The response as a curve.
+    #[pyo3(signature = (begin, end, along=None, at=None, stability=false))]
     fn curve<'py>(
         &self,
         py: Python<'py>,
@@ -166,20 +192,28 @@ impl Scene {
         end: f64,
         along: Option<String>,
         at: Option<f64>,
-    ) -> PyResult<(Bound<'py, PyDict>, String)> {
-        let found = watched(py, None, &self.raised, |stop, _| {
+        stability: bool,
+    ) -> PyResult<Points<'py>> {
+        let scene = if stability { self.scene.clone().with_stability() } else { self.scene.clone() };
+        let (found, stopped) = watched(py, None, &self.raised, |stop, _| {
+            let judge = |problem: &hbm::Problem, orders: &[usize], solution: &hbm::Solution| match stop
+                .load(Ordering::Relaxed)
+            {
+                true => Err("stopped before".into()),
+                false => ::study::stability(problem, orders, solution),
+            };
             let go_on = |_: f64| !stop.load(Ordering::Relaxed);
             let options = ContinuationOptions { progress: &go_on, ..ContinuationOptions::default() };
             match (&along, at) {
                 (Some(pointer), Some(frequency)) => {
                     let variants = Variants::from_str(&self.text, &self.base, self.scene.name())?;
                     let along = Along::Entry { pointer, frequency };
-                    self.scene.curve(along, (begin, end), Some(&variants), &options)
+                    scene.curve_judged(along, (begin, end), Some(&variants), &options, Some(&judge))
                 }
-                _ => self.scene.curve(Along::Frequency, (begin, end), None, &options),
+                _ => scene.curve_judged(Along::Frequency, (begin, end), None, &options, Some(&judge)),
             }
         })?;
-        let curve = found.map_err(errors::scene)?;
+        let (curve, stopped) = finished(found, stopped, errors::scene)?;
         let points: Vec<_> = curve.points.iter().map(|point| &point.point).collect();
         let columns = columns(py, &points, &curve.dofs)?;
         let numbers = |of: fn(&::scene::CurveOutcomePoint) -> f64| -> Vec<f64> {
@@ -189,10 +223,50 @@ impl Scene {
         columns.set_item("arclength", vector(py, numbers(|p| p.arclength)))?;
         let folds: Vec<bool> = curve.points.iter().map(|point| point.fold).collect();
         columns.set_item("fold", vector(py, folds))?;
-        Ok((columns, json(py, &curve)?))
+        Ok((columns, json(py, &curve)?, stopped))
     }
 
-    /// A damped nonlinear mode: (columns, the whole result as JSON).
+    /// The highest peak over an entry, as JSON.
+    #[pyo3(signature = (vary, begin, end, log, points, dof, harmonics, threads=None, progress=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn peaks(
+        &self,
+        py: Python<'_>,
+        vary: &str,
+        begin: f64,
+        end: f64,
+        log: bool,
+        points: usize,
+        dof: Option<String>,
+        harmonics: Vec<usize>,
+        threads: Option<usize>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(String, Stopped)> {
+        let (found, stopped) = watched(py, progress, &self.raised, |stop, finished| {
+            let go_on = |done: usize, _: usize| {
+                finished(done);
+                !stop.load(Ordering::Relaxed)
+            };
+            let variants = Variants::from_str(&self.text, &self.base, self.scene.name())?;
+            let options = PeaksOptions {
+                pointer: vary,
+                range: (begin, end),
+                logarithmic: log,
+                points,
+                dof: dof.as_deref(),
+                harmonics: &harmonics,
+                threads,
+                progress: &go_on,
+            };
+            options.check(&variants)?;
+            self.scene.peaks(&variants, &options)
+        })?;
+        let refused = |error: ::scene::SceneError| errors::scene(error);
+        let (found, stopped) = finished(found, stopped, refused)?;
+        Ok((json(py, &found)?, stopped))
+    }
+
+    /// A damped nonlinear mode.
     #[pyo3(signature = (mode, stuck, dof, amplitudes, points))]
     fn backbone<'py>(
         &self,
@@ -202,8 +276,8 @@ impl Scene {
         dof: Option<String>,
         amplitudes: (Option<f64>, Option<f64>),
         points: usize,
-    ) -> PyResult<(Bound<'py, PyDict>, String)> {
-        let found = watched(py, None, &self.raised, |stop, _| {
+    ) -> PyResult<Points<'py>> {
+        let (found, stopped) = watched(py, None, &self.raised, |stop, _| {
             let go_on = |_: f64| !stop.load(Ordering::Relaxed);
             self.scene.backbone(&BackboneOptions {
                 mode,
@@ -214,7 +288,7 @@ impl Scene {
                 progress: &go_on,
             })
         })?;
-        let found = found.map_err(errors::scene)?;
+        let (found, stopped) = finished(found, stopped, errors::scene)?;
         let points: Vec<_> = found.points.iter().map(|point| &point.point).collect();
         let columns = columns(py, &points, std::slice::from_ref(&found.dof))?;
         let numbers =
@@ -223,7 +297,7 @@ impl Scene {
         columns.set_item("damping_ratio", vector(py, numbers(|p| p.damping_ratio)))?;
         columns.set_item("excitation", vector(py, numbers(|p| p.excitation.unwrap_or(f64::NAN))))?;
         columns.set_item("resonance", vector(py, numbers(|p| p.resonance.unwrap_or(f64::NAN))))?;
-        Ok((columns, json(py, &found)?))
+        Ok((columns, json(py, &found)?, stopped))
     }
 
     /// Errors over the number of harmonics, as JSON.
@@ -234,13 +308,14 @@ impl Scene {
         harmonics: Vec<usize>,
         threads: Option<usize>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<String> {
-        let found = watched(py, progress, &self.raised, |stop, finished| {
+    ) -> PyResult<(String, Stopped)> {
+        let (found, stopped) = watched(py, progress, &self.raised, |stop, finished| {
             let options =
                 TruncationOptions { threads, cancel: Some(stop), progress: Some(&|count| finished(count)) };
             ::study::truncation(&self.scene, &harmonics, &options)
         })?;
-        json(py, &found.map_err(errors::solve)?)
+        let (found, stopped) = finished(found, stopped, errors::solve)?;
+        Ok((json(py, &found)?, stopped))
     }
 
     /// The exact periodic motion at one frequency: spectra up to `harmonics`, and one period at `instants` instants.
@@ -251,7 +326,7 @@ impl Scene {
         harmonics: usize,
         instants: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let found = watched(py, None, &self.raised, |_, _| {
+        let (found, stopped) = watched(py, None, &self.raised, |_, _| {
             let scene = self.scene.clone();
             let scene = match ::scene::Frequencies::one(frequency) {
                 Ok(one) => scene.with_frequencies(one),
@@ -262,6 +337,10 @@ impl Scene {
             let truths = Truths::new(&scene, START).map_err(|error| error.to_string())?;
             Ok((outputs, truths.orbit(frequency).map_err(|error| error.to_string())?))
         })?;
+        // Half an orbit is none.
+        if let Some(stopped) = stopped {
+            return Err(stopped);
+        }
         let (outputs, orbit) = found.map_err(|why: String| errors::solve(why))?;
         let answer = PyDict::new(py);
         let period = orbit.period();

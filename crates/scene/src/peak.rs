@@ -34,6 +34,40 @@ pub struct PeaksOptions<'a> {
     pub progress: &'a (dyn Fn(usize, usize) -> bool + Sync),
 }
 
+/// The parts of a scene on which its response depends without jumps.
+const FOLLOWED: [&str; 3] = ["/model/", "/excitation/", "/contacts/"];
+
+impl PeaksOptions<'_> {
+    /// Refuses what varies nothing, or what makes no scene: worth asking before the work.
+    ///
+    /// # Errors
+    /// [`SceneError`] at `vary`, with what is wrong.
+    pub fn check(&self, variants: &Variants) -> Result<(), SceneError> {
+        let Self { pointer, range: (from, to), .. } = *self;
+        let place = format!("vary {pointer}");
+        variants.number(pointer).map_err(|why| SceneError::entry(&place, why))?;
+        if !FOLLOWED.iter().any(|part| pointer.starts_with(part)) {
+            let problem =
+                "peaks are no curve over it; name an entry of the model, the excitation or a contact";
+            return Err(SceneError::entry(&place, problem));
+        }
+        // NaN is refused as well.
+        if from.partial_cmp(&to) != Some(std::cmp::Ordering::Less) {
+            return Err(SceneError::entry(&place, format!("its range must grow, got {from} to {to}")));
+        }
+        if self.logarithmic && from <= 0.0 {
+            let problem = format!("a range over its logarithm begins above zero, got {from}");
+            return Err(SceneError::entry(&place, problem));
+        }
+        // What lies between them is tried as well: entries that must be whole numbers have no curve.
+        for value in [from, to, from + 0.382 * (to - from)] {
+            let scene = variants.scene(&[(pointer, value)]).and_then(|scene| scene.prepare().map(|_| ()));
+            scene.map_err(|error| SceneError::entry(&format!("{place} = {value}"), error.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
 /// Peaks over an entry as plain data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PeaksOutcome {

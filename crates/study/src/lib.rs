@@ -12,7 +12,11 @@
 //! - [`step_until_periodic`]: what one does without harmonic balance, for comparison.
 //!
 //! The *truncation error* of a point is everywhere the same: the worst over the output dofs of the relative l2 error of
-//! the dof's displacement spectrum over all harmonics, those above N being zero in the truncated one.
+//! the dof's displacement spectrum over all harmonics, those above N being zero in the truncated one,
+//!
+//! ```math
+//! \varepsilon^2 = \max_\text{dofs} \frac{\sum_k |W_k - W_{k,\mathrm{true}}|^2}{\sum_k |W_{k,\mathrm{true}}|^2} .
+//! ```
 
 mod axis;
 mod cases;
@@ -23,6 +27,7 @@ mod fingerprint;
 mod grid;
 mod partial;
 mod periodic;
+mod schema;
 mod shard;
 mod stability;
 mod start;
@@ -41,6 +46,7 @@ pub use estimate_quality::{EstimateQuality, JudgedPoint};
 pub use fingerprint::Fingerprint;
 pub use grid::{Case, Keep, Study};
 pub use partial::Partial;
+pub use schema::SCHEMA;
 pub use shard::Shard;
 pub use stability::stability;
 pub use stepping::{Stepped, SteppingError, SteppingSettings, step_until_periodic};

@@ -133,7 +133,7 @@ pub fn truncation(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).build().ok();
     let stopped = || options.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed));
     let mut found: Vec<Frequency> = Vec::with_capacity(frequencies.len());
-    for some in frequencies.chunks(CHUNK) {
+    for some in frequencies.chunks(CHUNK).take_while(|_| !stopped()) {
         let known: Vec<Result<Truth, NoTruth>> = match &pool {
             Some(pool) => pool.install(|| some.par_iter().map(|hertz| truths.at(*hertz)).collect()),
             None => some.iter().map(|hertz| truths.at(*hertz)).collect(),
