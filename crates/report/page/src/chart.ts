@@ -1,6 +1,6 @@
 // One picture: an ECharts chart in SVG, with a text beside it, in the colours of the page.
 
-import { BarChart, LineChart, ScatterChart } from "echarts/charts";
+import { LineChart, ScatterChart } from "echarts/charts";
 import {
   DataZoomComponent,
   GridComponent,
@@ -13,7 +13,6 @@ import { SVGRenderer } from "echarts/renderers";
 import { element } from "./dom";
 
 echarts.use([
-  BarChart,
   LineChart,
   ScatterChart,
   DataZoomComponent,
@@ -73,8 +72,6 @@ export function colours(): Colours {
   };
 }
 
-export const REDUCED = matchMedia("(prefers-reduced-motion: reduce)");
-
 /** Widths on paper in px: of a picture alone, and of one beside another. */
 export const ON_PAPER = { tall: 690, small: 335 };
 
@@ -92,7 +89,8 @@ export class Chart {
     parent: HTMLElement,
   ) {
     this.holder = element("div", { class: tall ? "chart tall" : "chart", role: "img", id: `chart-${name}` });
-    this.caption = element("figcaption");
+    // The same text, for those who see the picture.
+    this.caption = element("figcaption", { "aria-hidden": "true" });
     this.figure = element("figure", {}, this.holder, this.caption);
     parent.append(this.figure);
     this.view = echarts.init(this.holder, null, { renderer: "svg" });
