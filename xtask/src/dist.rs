@@ -49,7 +49,7 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<()> {
     }
     fs::create_dir_all(&tree)?;
 
-    // The page of `stickslip report` is part of the program.
+    // The page of `stickslip report` is part of the program; it has the licences of what it is bundled from in it.
     report_page::bundle(root, profile == "dist")?;
     build(root, profile)?;
     let suffix = std::env::consts::EXE_SUFFIX;

@@ -7,6 +7,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::packages::cargo;
+
 /// The oldest Node.js that will do.
 const NODE: u32 = 20;
 
@@ -45,9 +47,8 @@ pub(crate) fn test(root: &Path) -> Result<()> {
         eprintln!("skipped: there is no Chromium, and it cannot be installed here");
         return Ok(());
     };
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let built =
-        Command::new(cargo).args(["build", "--release", "-p", "stickslip"]).current_dir(root).status()?;
+        Command::new(cargo()).args(["build", "--release", "-p", "stickslip"]).current_dir(root).status()?;
     ensure!(built.success(), "stickslip cannot be built");
     let program = format!("stickslip{}", env::consts::EXE_SUFFIX);
     let status = Command::new(NPM)
