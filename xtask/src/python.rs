@@ -1,8 +1,8 @@
 //! `cargo xtask python`: builds the wheel of the Python package, and tests it where nothing but the wheel is installed.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
 
@@ -13,7 +13,7 @@ const BUILDING: &str = "maturin>=1.8,<2\nmypy>=1.11\nnumpy>=2\n";
 
 /// What the tests use beside the wheel.
 const TESTING: &str =
-    "pytest>=8\nnumpy>=1.24\nscipy>=1.11\npandas>=2\nmatplotlib>=3.8\ndistributed>=2024.1\n";
+    "pytest>=8\nnumpy>=1.24\nscipy>=1.11\npandas>=2\npyarrow>=15\nmatplotlib>=3.8\ndistributed>=2024.1\n";
 
 /// Builds the wheel and runs type check and tests; without Python it says so, and with `required` fails.
 ///
@@ -33,6 +33,11 @@ pub(crate) fn run(root: &Path, required: bool) -> Result<()> {
     let clean = VirtualEnvironment::with(&root.join("target").join("python").join("testing"), TESTING)?;
     clean.install(&["--force-reinstall".as_ref(), "--no-deps".as_ref(), wheel.as_os_str()])?;
     eprintln!("testing {}", wheel.display());
+    // The command line, whose files the tests read.
+    let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let built = Command::new(program).args(["build", "--release", "--quiet"]).current_dir(root).status()?;
+    ensure!(built.success(), "cargo build --release failed");
+    let command = root.join("target").join("release").join(format!("stickslip{}", env::consts::EXE_SUFFIX));
     let tests = clean
         .python()
         .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
@@ -40,6 +45,7 @@ pub(crate) fn run(root: &Path, required: bool) -> Result<()> {
         .current_dir(&package)
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("MPLBACKEND", "Agg")
+        .env("STICKSLIP_COMMAND", &command)
         .status()?;
     ensure!(tests.success(), "tests of the Python package fail");
     Ok(())

@@ -38,11 +38,6 @@ impl Field {
         }
     }
 
-    /// Whether it holds real numbers.
-    pub(crate) fn is_numeric(&self) -> bool {
-        self.check_numeric().is_ok()
-    }
-
     /// Its number in an item.
     pub(crate) fn number(&self, item: &[u8]) -> f64 {
         // The most significant byte last, whatever the order of the file.

@@ -204,6 +204,3 @@ impl<R: Read> NpyReader<R> {
         Ok(letters.map(|c| char::from(*c)).collect())
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -141,6 +141,7 @@ To a terminal without -o a short table is printed: peaks, worst points, time. Ev
 Examples:
   stickslip sweep blade.json
   stickslip sweep blade.json --harmonics 7 --frequencies 20:200:721 -o response.csv
+  stickslip sweep blade.json -o response.npz                  arrays for numpy.load
   stickslip sweep blade.json --plot response.svg
   stickslip sweep blade.json --at 57 --waveform motion.csv
   stickslip sweep blade.json | jq '.points[] | select(.status == \"failed\")'";
@@ -261,19 +262,23 @@ A record is a text table, one sample a line, with names and units in its first l
 
   time [s],displacement [um],force [N]
 
-The time is optional. Columns that are not recognised, units that are missing and a force with the wrong sign are given \
-on the command line.
+or arrays of NumPy (.npy, .npz), variables of MATLAB (.mat up to -v7), or datasets 58 of a universal file (ASCII). The \
+time is optional. Columns that are not recognised, units that are missing and a force with the wrong sign are given on the \
+command line. A column is a name or a number; of a matrix among several variables data:2.
 
 Examples:
   stickslip loop fit record.csv
   stickslip loop fit record.csv --plot loop.svg
-  stickslip loop fit rig.txt --columns displacement=2,force=3 --units displacement=in,force=kip --flip-force";
+  stickslip loop fit rig.txt --columns displacement=2,force=3 --units displacement=in,force=kip --flip-force
+  stickslip loop fit rig.mat --columns displacement=disp,force=F --units displacement=um,force=N
+  stickslip loop fit rig.npz --columns displacement=data:2,force=data:3 --units displacement=mm,force=N
+  stickslip loop fit rig.uff --columns displacement=12+X,force=13+X";
 
 /// How records are to be read.
 #[derive(Debug, Args)]
 pub struct ReadingArguments {
-    /// Which column holds what: its name, or its number from 1
-    #[arg(long, value_name = "displacement=2,force=3")]
+    /// Which column, variable or dataset holds what: its name, or its number from 1
+    #[arg(long, visible_alias = "variables", value_name = "displacement=2,force=3")]
     pub columns: Option<Columns>,
     /// Units of the columns
     #[arg(long, value_name = "displacement=um,force=N")]
@@ -297,7 +302,7 @@ impl ReadingArguments {
 /// `stickslip loop fit`.
 #[derive(Debug, Args)]
 pub struct FitArguments {
-    /// The record, a text table
+    /// The record: a text table, .npy, .npz, .mat or .uff
     pub file: PathBuf,
     #[command(flatten)]
     pub reading: ReadingArguments,
@@ -375,6 +380,21 @@ pub enum Format {
     Json,
     /// A flat table.
     Csv,
+    /// Arrays for NumPy.
+    Npz,
+    /// The flat table for data frames.
+    Parquet,
+}
+
+impl From<Format> for TableFormat {
+    fn from(format: Format) -> Self {
+        match format {
+            Format::Json => Self::Json,
+            Format::Csv => Self::Csv,
+            Format::Npz => Self::Npz,
+            Format::Parquet => Self::Parquet,
+        }
+    }
 }
 
 /// Forms of an answer.
@@ -395,6 +415,10 @@ pub enum TableFormat {
     Json,
     /// The numbers alone, line by line.
     Csv,
+    /// Arrays for NumPy.
+    Npz,
+    /// The numbers alone, for data frames.
+    Parquet,
 }
 
 /// Forces of a loop.

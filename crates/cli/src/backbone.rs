@@ -1,9 +1,9 @@
 //! `stickslip backbone`: natural frequency and damping ratio against amplitude.
 
 use std::fmt::Write as _;
-use std::io;
 use std::sync::atomic::Ordering;
 
+use arrays::{Cell, Kind, Table};
 use scene::{BackboneOptions, BackboneOutcome, BackbonePoint};
 
 use crate::arguments::{BackboneArguments, TableFormat};
@@ -38,7 +38,7 @@ pub fn run(arguments: &BackboneArguments) -> Result<Ending, Failure> {
     answer.write(|out| match format {
         TableFormat::Text => out.write_all(text(&mode).as_bytes()),
         TableFormat::Json => scene::write_json(out, &mode),
-        TableFormat::Csv => csv(&mode, out),
+        flat => output::table(out, flat, &rows(&mode), &mode.scene),
     })?;
     if format != TableFormat::Text {
         for note in &mode.notes {
@@ -60,29 +60,21 @@ pub fn run(arguments: &BackboneArguments) -> Result<Ending, Failure> {
     })
 }
 
-fn csv(mode: &BackboneOutcome, out: &mut dyn io::Write) -> io::Result<()> {
-    let mut table = csv::Writer::from_writer(out);
-    table.write_record([
-        "amplitude",
-        "frequency",
-        "damping_ratio",
-        "modal_amplitude",
-        "excitation",
-        "resonance",
-    ])?;
-    for point in &mode.points {
-        let optional = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:e}"));
-        let number = |number: f64| format!("{number:e}");
-        table.write_record([
-            number(point.amplitude),
-            number(point.point.frequency),
-            number(point.damping_ratio),
-            number(point.modal_amplitude),
-            optional(point.excitation),
-            optional(point.resonance),
-        ])?;
-    }
-    table.flush()
+/// Every point, for programs.
+fn rows(mode: &BackboneOutcome) -> Table<'_> {
+    let columns = ["amplitude", "frequency", "damping_ratio", "modal_amplitude", "excitation", "resonance"];
+    Table::new(columns.map(|name| (name, Kind::Number)), |take| {
+        mode.points.iter().try_for_each(|point| {
+            take(&[
+                Cell::Number(point.amplitude),
+                Cell::Number(point.point.frequency),
+                Cell::Number(point.damping_ratio),
+                Cell::Number(point.modal_amplitude),
+                point.excitation.into(),
+                point.resonance.into(),
+            ])
+        })
+    })
 }
 
 fn text(mode: &BackboneOutcome) -> String {

@@ -1,7 +1,6 @@
 //! `stickslip continue`: the response as a curve, through its folds.
 
 use std::fmt::Write as _;
-use std::io;
 use std::sync::atomic::Ordering;
 
 use scene::{Along, ContinuationOptions, CurveOutcome, CurveOutcomePoint, Scene, Variants};
@@ -41,7 +40,8 @@ pub fn run(arguments: &ContinueArguments) -> Result<Ending, Failure> {
     answer.write(|out| match format {
         TableFormat::Text => out.write_all(text(&curve).as_bytes()),
         TableFormat::Json => scene::write_json(out, &curve),
-        TableFormat::Csv => csv(&curve, out),
+        TableFormat::Npz => curve.write_npz(out),
+        flat => output::table(out, flat, &curve.table(), &curve.scene),
     })?;
     if format != TableFormat::Text {
         for note in &curve.notes {
@@ -114,23 +114,6 @@ fn course<'a>(
 
 /// The parts of a scene on which the motion at one frequency depends without jumps.
 const FOLLOWED: [&str; 3] = ["/model/", "/excitation/", "/contacts/"];
-
-fn csv(curve: &CurveOutcome, out: &mut dyn io::Write) -> io::Result<()> {
-    let mut table = csv::Writer::from_writer(out);
-    table.write_record(["arclength", "parameter", "fold", "dof", "harmonic", "re", "im"])?;
-    for point in &curve.points {
-        let numbers = [format!("{:e}", point.arclength), format!("{:e}", point.parameter)];
-        for (dof, spectrum) in point.point.displacement.iter().flat_map(|named| &named.0) {
-            for (k, w) in &spectrum.0 {
-                let [arclength, parameter] = &numbers;
-                let (k, re, im) = (k.to_string(), format!("{:e}", w.re), format!("{:e}", w.im));
-                let fold = if point.fold { "1" } else { "0" };
-                table.write_record([arclength, parameter, fold, dof, &k, &re, &im])?;
-            }
-        }
-    }
-    table.flush()
-}
 
 fn text(curve: &CurveOutcome) -> String {
     let mut text = String::new();

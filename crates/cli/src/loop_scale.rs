@@ -3,9 +3,9 @@
 mod answer;
 
 use std::fmt::Write as _;
-use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
+use arrays::{Cell, Kind};
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use contact::identification::{
     self, Estimate, Identification, IdentificationError, IdentificationSettings, LoopPoint, Note, Weighting,
@@ -23,6 +23,7 @@ use crate::output::{self, Output};
 
 /// Fits every record, identifies the laws and says what came out.
 pub fn run(arguments: &ScaleArguments) -> Result<Ending, Failure> {
+    let format = output::table_format(arguments.format, None)?;
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
     let files = &arguments.files;
     for (i, file) in files.iter().enumerate() {
@@ -51,11 +52,12 @@ pub fn run(arguments: &ScaleArguments) -> Result<Ending, Failure> {
     let found = identify(&points, &settings).map_err(|error| refused(error, files))?;
     let result = Scaling { found: &found, files };
 
-    let usual = if io::stdout().is_terminal() { TableFormat::Text } else { TableFormat::Json };
-    match arguments.format.unwrap_or(usual) {
+    match format {
         TableFormat::Text => output::print(&result.text())?,
         TableFormat::Json => output::print_json(&Answer::of(&result))?,
-        TableFormat::Csv => Output::Stdout.write(|out| result.csv(out)).map(|()| Ending::Done)?,
+        flat => Output::Stdout
+            .write(|out| output::table(out, flat, &result.rows(), "loop scale"))
+            .map(|()| Ending::Done)?,
     };
     if let Some(figure) = figure {
         figure::scaling(figure, &found)?;
@@ -98,17 +100,29 @@ impl Scaling<'_> {
         magnitude.chain(self.found.phase.estimates.iter().map(|estimate| ("phase", estimate)))
     }
 
-    /// The six numbers, one a line; empty where there is no error.
-    fn csv(&self, out: &mut dyn io::Write) -> io::Result<()> {
-        writeln!(out, "law,parameter,value,std_error,lower,upper")?;
-        let cell = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
-        for (law, estimate) in self.estimates() {
-            let Estimate { parameter, value, std_error, interval } = *estimate;
-            let (lower, upper) = (interval.map(|ends| ends.0), interval.map(|ends| ends.1));
-            let cells = [cell(std_error), cell(lower), cell(upper)].join(",");
-            writeln!(out, "{law},{parameter},{value},{cells}")?;
-        }
-        Ok(())
+    /// The six numbers, one a row; empty where there is no error.
+    fn rows(&self) -> arrays::Table<'_> {
+        let columns = [
+            ("law", Kind::Text),
+            ("parameter", Kind::Text),
+            ("value", Kind::Plain),
+            ("std_error", Kind::Plain),
+            ("lower", Kind::Plain),
+            ("upper", Kind::Plain),
+        ];
+        arrays::Table::new(columns, |take| {
+            self.estimates().try_for_each(|(law, estimate)| {
+                let Estimate { parameter, value, std_error, interval } = *estimate;
+                take(&[
+                    Cell::Text(law),
+                    Cell::Text(parameter.name()),
+                    Cell::Number(value),
+                    std_error.into(),
+                    interval.map(|ends| ends.0).into(),
+                    interval.map(|ends| ends.1).into(),
+                ])
+            })
+        })
     }
 
     fn text(&self) -> String {

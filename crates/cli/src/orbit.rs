@@ -75,7 +75,7 @@ fn form(arguments: &OrbitArguments) -> Result<TextFormat, Failure> {
     match output::table_format(None, arguments.output.as_deref())? {
         TableFormat::Text => Ok(TextFormat::Text),
         TableFormat::Json => Ok(TextFormat::Json),
-        TableFormat::Csv => Err(Failure::input(
+        TableFormat::Csv | TableFormat::Npz | TableFormat::Parquet => Err(Failure::input(
             "-o: an orbit is no table; name the file .json or .txt, or write its motion with --waveform FILE.csv",
         )),
     }

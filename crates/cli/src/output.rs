@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
+use arrays::{NpzWriter, Table};
 use tempfile::NamedTempFile;
 
 use crate::arguments::{Format, TableFormat};
@@ -108,32 +109,77 @@ pub fn distinct(input: &Path, outputs: &[&Option<PathBuf>]) -> Result<(), Failur
 /// The form of an answer: what was asked for, else by the extension of its file, else a table on a terminal and JSON
 /// into a pipe.
 pub fn table_format(chosen: Option<TableFormat>, output: Option<&Path>) -> Result<TableFormat, Failure> {
-    let Some(path) = output.filter(|_| chosen.is_none()) else {
-        let usual = if io::stdout().is_terminal() { TableFormat::Text } else { TableFormat::Json };
-        return Ok(chosen.unwrap_or(usual));
+    let terminal = output.is_none() && io::stdout().is_terminal();
+    let format = match (chosen, output) {
+        (Some(chosen), _) => chosen,
+        (None, None) if terminal => TableFormat::Text,
+        (None, None) => TableFormat::Json,
+        (None, Some(path)) => by_extension(path, true)?,
     };
+    possible(format, terminal)?;
+    Ok(format)
+}
+
+/// The form of a full result; `None` is the table for a terminal.
+pub fn full_format(chosen: Option<Format>, output: Option<&Path>) -> Result<Option<TableFormat>, Failure> {
+    let terminal = output.is_none() && io::stdout().is_terminal();
+    let format = match (chosen, output) {
+        (Some(chosen), _) => chosen.into(),
+        (None, None) if terminal => return Ok(None),
+        (None, None) => TableFormat::Json,
+        (None, Some(path)) => by_extension(path, false)?,
+    };
+    possible(format, terminal)?;
+    Ok(Some(format))
+}
+
+/// The form by the extension of a file's name; JSON where it has none.
+fn by_extension(path: &Path, text: bool) -> Result<TableFormat, Failure> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        None | Some("json") => Ok(TableFormat::Json),
-        Some("csv") => Ok(TableFormat::Csv),
-        Some("txt") => Ok(TableFormat::Text),
-        Some(other) => Err(Failure::input(format!(
-            "-o {}: no format is called .{other}; name the file .json, .csv or .txt, or add --format json",
-            path.display()
-        ))),
+    Ok(match extension.as_deref() {
+        None | Some("json") => TableFormat::Json,
+        Some("csv") => TableFormat::Csv,
+        Some("npz") => TableFormat::Npz,
+        Some("parquet") => TableFormat::Parquet,
+        Some("txt") if text => TableFormat::Text,
+        Some(other) => {
+            let txt = if text { ", .txt" } else { "" };
+            return Err(Failure::input(format!(
+                "-o {}: no format is called .{other}; name the file .json, .csv{txt}, .npz or .parquet, or add --format json",
+                path.display()
+            )));
+        }
+    })
+}
+
+/// Refuses bytes on a terminal.
+fn possible(format: TableFormat, terminal: bool) -> Result<(), Failure> {
+    match format {
+        TableFormat::Npz | TableFormat::Parquet if terminal => {
+            Err(Failure::input("this format is no text; name a file with -o"))
+        }
+        _ => Ok(()),
     }
 }
 
-/// The form of a full result by its file's name; JSON where that has no extension.
-pub fn full_format(path: &Path) -> Result<Format, Failure> {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        None | Some("json") => Ok(Format::Json),
-        Some("csv") => Ok(Format::Csv),
-        Some(other) => Err(Failure::input(format!(
-            "-o {}: no format is called .{other}; name the file .json or .csv, or add --format json",
-            path.display()
-        ))),
+/// Writes a flat table about `name` in a form that is one.
+pub fn table(out: &mut dyn Write, format: TableFormat, table: &Table, name: &str) -> io::Result<()> {
+    match format {
+        TableFormat::Npz => {
+            let mut archive = NpzWriter::new(out);
+            table.write_npz(&mut archive)?;
+            archive.finish()
+        }
+        TableFormat::Parquet => {
+            let version = env!("CARGO_PKG_VERSION");
+            let about = [
+                ("stickslip.scene", name),
+                ("stickslip.version", version),
+                ("stickslip.units", "SI, Hz, rad"),
+            ];
+            table.write_parquet(out, &about)
+        }
+        _ => table.write_csv(out),
     }
 }
 

@@ -1,9 +1,9 @@
 //! `stickslip peaks`: the highest peak over an entry of a scene, and where it is lowest.
 
 use std::fmt::Write as _;
-use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use arrays::{Cell, Kind, Table};
 use scene::{Harmonics, PeaksCurve, PeaksOptions, PeaksOutcome, PeaksPoint, Variants};
 
 use crate::arguments::{PeaksArguments, TableFormat, in_file, read_scene};
@@ -67,7 +67,7 @@ pub fn run(arguments: &PeaksArguments) -> Result<Ending, Failure> {
     answer.write(|out| match format {
         TableFormat::Text => out.write_all(text(&found).as_bytes()),
         TableFormat::Json => scene::write_json(out, &found),
-        TableFormat::Csv => csv(&found, out),
+        flat => output::table(out, flat, &rows(&found), &found.scene),
     })?;
     if format != TableFormat::Text {
         for note in &found.notes {
@@ -88,34 +88,36 @@ pub fn run(arguments: &PeaksArguments) -> Result<Ending, Failure> {
     })
 }
 
-fn csv(found: &PeaksOutcome, out: &mut dyn io::Write) -> io::Result<()> {
-    let mut table = csv::Writer::from_writer(out);
-    table.write_record([
-        "harmonics",
-        "parameter",
-        "status",
-        "branch",
-        "frequency",
-        "amplitude",
-        "dissipation",
-    ])?;
-    for curve in &found.curves {
-        for point in &curve.points {
-            let [harmonics, parameter] = [curve.harmonics.to_string(), format!("{:e}", point.parameter)];
-            if point.peaks.is_empty() {
-                table.write_record([&harmonics, &parameter, point.status, "", "", "", ""])?;
-            }
-            for peak in &point.peaks {
-                let branch = peak.branch.to_string();
-                let [hertz, amplitude, dissipation] =
-                    [peak.point.frequency, peak.amplitude, peak.dissipation].map(|x| format!("{x:e}"));
-                let status = point.status;
-                let cells = [&harmonics, &parameter, status, &branch, &hertz, &amplitude, &dissipation];
-                table.write_record(cells)?;
+/// Every peak, for programs; a value without one has a row of its own.
+fn rows(found: &PeaksOutcome) -> Table<'_> {
+    let columns = [
+        ("harmonics", Kind::Whole),
+        ("parameter", Kind::Number),
+        ("status", Kind::Text),
+        ("branch", Kind::Whole),
+        ("frequency", Kind::Number),
+        ("amplitude", Kind::Number),
+        ("dissipation", Kind::Number),
+    ];
+    Table::new(columns, |take| {
+        for curve in &found.curves {
+            for point in &curve.points {
+                let harmonics = Cell::Whole(curve.harmonics);
+                let (parameter, status) = (Cell::Number(point.parameter), Cell::Text(point.status));
+                if point.peaks.is_empty() {
+                    let none = Cell::Missing;
+                    take(&[harmonics, parameter, status, none, none, none, none])?;
+                }
+                for peak in &point.peaks {
+                    let [hertz, amplitude, dissipation] =
+                        [peak.point.frequency, peak.amplitude, peak.dissipation].map(Cell::Number);
+                    let branch = Cell::Whole(peak.branch);
+                    take(&[harmonics, parameter, status, branch, hertz, amplitude, dissipation])?;
+                }
             }
         }
-    }
-    table.flush()
+        Ok(())
+    })
 }
 
 fn text(found: &PeaksOutcome) -> String {

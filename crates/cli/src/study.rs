@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::{self, IsTerminal};
 use std::path::Path;
 
 use scene::reading::show;
 use study::{Axis, Entry, FinishedCase, Keep, Kind, Partial, Shard, Study, StudyError, StudyOptions, Table};
 
-use crate::arguments::{Format, MergeArguments, Quantity, StudyArguments, StudyResultArguments, in_file};
+use crate::arguments::{
+    MergeArguments, Quantity, StudyArguments, StudyResultArguments, TableFormat, in_file,
+};
 use crate::check::count;
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
@@ -150,18 +151,13 @@ fn read(path: &Path, result: &StudyResultArguments) -> Result<Study, Failure> {
 /// The forms in which a result is wanted, looked at before anything is solved.
 struct Wanted {
     /// Text where there is none.
-    format: Option<Format>,
+    format: Option<TableFormat>,
     figure: Option<Figure>,
 }
 
 impl Wanted {
     fn of(result: &StudyResultArguments, study: &Path) -> Result<Self, Failure> {
-        let format = match (result.format, &result.output) {
-            (Some(format), _) => Some(format),
-            (None, Some(path)) => Some(output::full_format(path)?),
-            (None, None) if io::stdout().is_terminal() => None,
-            (None, None) => Some(Format::Json),
-        };
+        let format = output::full_format(result.format, result.output.as_deref())?;
         let figure = result.plot.as_deref().map(Figure::new).transpose()?;
         output::distinct(study, &[&result.output, &result.plot])?;
         Ok(Self { format, figure })
@@ -196,14 +192,14 @@ fn refused(study: &Path, error: StudyError) -> Failure {
 
 fn write(
     answer: Output,
-    format: Option<Format>,
+    format: Option<TableFormat>,
     study: &Study,
     cases: &[FinishedCase],
 ) -> Result<(), Failure> {
     let table = Table { study, cases };
     match format {
-        Some(Format::Json) => answer.write(|out| table.write_json(out)),
-        Some(Format::Csv) => answer.write(|out| table.write_csv(out)),
+        Some(TableFormat::Json) => answer.write(|out| table.write_json(out)),
+        Some(flat) => answer.write(|out| output::table(out, flat, &table.flat(), study.name())),
         None => output::print(&text(study, cases)).map(|_| ()),
     }
 }

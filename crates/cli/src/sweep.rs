@@ -1,11 +1,10 @@
 //! `stickslip sweep`: the forced response of a scene.
 
-use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::{Frequencies, Outcome, Prepared, RunOptions, Solved};
 
-use crate::arguments::{Format, SweepArguments};
+use crate::arguments::{SweepArguments, TableFormat};
 use crate::ending::{Ending, Failure, say};
 use crate::figure::{self, Figure};
 use crate::output::{self, Output};
@@ -17,12 +16,12 @@ enum Wanted {
     /// A short table on the terminal.
     Table,
     /// Everything.
-    Full(Output, Format),
+    Full(Output, TableFormat),
 }
 
 /// Solves the scene and writes what was asked for.
 pub fn run(arguments: &SweepArguments) -> Result<Ending, Failure> {
-    let format = format(arguments)?;
+    let format = output::full_format(arguments.format, arguments.output.as_deref())?;
     let figure = arguments.plot.as_deref().map(Figure::new).transpose()?;
     let loops = arguments.loops.as_deref().map(Figure::new).transpose()?;
     let files = [&arguments.output, &arguments.waveform, &arguments.plot, &arguments.loops];
@@ -92,8 +91,9 @@ fn write(result: Wanted, solved: &Solved, outcome: &Outcome) -> Result<(), Failu
         Wanted::Full(output, format) => (output, format),
     };
     output.write(|out| match format {
-        Format::Json => scene::write_json(out, outcome),
-        Format::Csv => outcome.write_csv(out),
+        TableFormat::Json => scene::write_json(out, outcome),
+        TableFormat::Npz => outcome.write_npz(out),
+        flat => output::table(out, flat, &outcome.table(), &outcome.scene),
     })?;
     for note in &outcome.notes {
         say(format_args!("note: {note}"));
@@ -108,15 +108,4 @@ fn ending(solved: &Solved) -> Ending {
         (false, true) => Ending::SomeFailed,
         (false, false) => Ending::Done,
     }
-}
-
-/// The form of the full result; `None` is the table for a terminal.
-fn format(arguments: &SweepArguments) -> Result<Option<Format>, Failure> {
-    let chosen = match (arguments.format, &arguments.output) {
-        (Some(format), _) => Some(format),
-        (None, Some(path)) => Some(output::full_format(path)?),
-        (None, None) if io::stdout().is_terminal() => None,
-        (None, None) => Some(Format::Json),
-    };
-    Ok(chosen)
 }

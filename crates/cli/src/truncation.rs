@@ -1,8 +1,8 @@
 //! `stickslip truncation`: error and time against the number of harmonics.
 
 use std::fmt::Write as _;
-use std::io;
 
+use arrays::{Cell, Kind};
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use scene::Harmonics;
 use study::{Row, Truncation, TruncationOptions, truncation};
@@ -53,7 +53,7 @@ pub fn run(arguments: &TruncationArguments) -> Result<Ending, Failure> {
     answer.write(|out| match format {
         TableFormat::Text => out.write_all(text(&study).as_bytes()),
         TableFormat::Json => scene::write_json(out, &study),
-        TableFormat::Csv => csv(&study, out),
+        flat => output::table(out, flat, &rows(&study), &study.scene),
     })?;
     if format != TableFormat::Text {
         for note in &study.notes {
@@ -89,36 +89,36 @@ fn ending(study: &Truncation, require: Option<f64>) -> Ending {
     if unsolved || !rows.is_empty() { Ending::SomeFailed } else { Ending::Done }
 }
 
-fn csv(study: &Truncation, out: &mut dyn io::Write) -> io::Result<()> {
-    let mut table = csv::Writer::from_writer(out);
-    table.write_record([
-        "frequency",
-        "harmonics",
-        "status",
-        "error",
-        "error_first",
-        "error_peak",
-        "error_dissipation",
-        "estimate",
-        "seconds",
-        "reference",
-    ])?;
-    let cell = |value: Option<f64>| value.map(|value| format!("{value:e}")).unwrap_or_default();
-    for row in &study.rows {
-        table.write_record([
-            &row.frequency.to_string(),
-            &row.harmonics.to_string(),
-            row.status,
-            &cell(row.error),
-            &cell(row.error_first),
-            &cell(row.error_peak),
-            &cell(row.error_dissipation),
-            &cell(row.estimate),
-            &cell(Some(row.seconds)),
-            row.reference.as_deref().unwrap_or(&study.reference),
-        ])?;
-    }
-    table.flush()
+/// Every row, for programs.
+fn rows(study: &Truncation) -> arrays::Table<'_> {
+    let columns = [
+        ("frequency", Kind::Plain),
+        ("harmonics", Kind::Whole),
+        ("status", Kind::Text),
+        ("error", Kind::Number),
+        ("error_first", Kind::Number),
+        ("error_peak", Kind::Number),
+        ("error_dissipation", Kind::Number),
+        ("estimate", Kind::Number),
+        ("seconds", Kind::Number),
+        ("reference", Kind::Text),
+    ];
+    arrays::Table::new(columns, |take| {
+        study.rows.iter().try_for_each(|row| {
+            take(&[
+                Cell::Number(row.frequency),
+                Cell::Whole(row.harmonics),
+                Cell::Text(row.status),
+                row.error.into(),
+                row.error_first.into(),
+                row.error_peak.into(),
+                row.error_dissipation.into(),
+                row.estimate.into(),
+                Cell::Number(row.seconds),
+                Cell::Text(row.reference.as_deref().unwrap_or(&study.reference)),
+            ])
+        })
+    })
 }
 
 fn text(study: &Truncation) -> String {

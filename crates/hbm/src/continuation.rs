@@ -16,7 +16,7 @@ use crate::balance::Homotopy;
 use crate::course::{Course, EntryCourse, FrequencyCourse, HOMOTOPY_START, HomotopyCourse};
 use crate::dense::Lu;
 use crate::error::PlanError;
-use crate::newton::FLOOR;
+use crate::newton::{FLOOR, rounded};
 use crate::plan::Plan;
 use crate::problem::Problem;
 use crate::prominence::keep_prominent;
@@ -92,6 +92,12 @@ const WANTED_CORRECTIONS: f64 = 3.5;
 
 /// The tangent may turn by this much (cosine) in a step.
 const STRAIGHT: f64 = 0.94;
+
+/// A place may lie this part of a step beside the chord through the two before it.
+const ASIDE: f64 = 0.25;
+
+/// A tangent this near to the chord (cosine) is no wiggle's.
+const SMOOTH: f64 = 0.995;
 
 /// First, longest and shortest relative step.
 const FIRST_STEP: f64 = 0.01;
@@ -191,6 +197,8 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
     // Amplitudes at the two places before, and the step between them.
     let mut rising: Option<(Vec<f64>, f64)> = None;
     let mut here = tracer.amplitudes(&place);
+    // Index of the point at `place`.
+    let mut latest = 0;
     curve.end = loop {
         if curve.points.len() >= options.most_points {
             break CurveEnd::TooLong;
@@ -221,10 +229,14 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
         }
         if let Some((before, step)) = &rising {
             for dof in (0..here.len()).filter(|&o| before[o] < here[o] && here[o] >= ahead[o]) {
-                if let Some((peak, at)) = tracer.peak(&place, (-step, length), dof)
-                    && inside(&peak)
-                {
-                    curve.points.push(CurvePoint { peaks: vec![dof], ..tracer.point(&peak, arclength + at) });
+                match tracer.peak(&place, (-step, length), dof) {
+                    Some((peak, at)) if inside(&peak) => {
+                        let point = tracer.point(&peak, arclength + at);
+                        curve.points.push(CurvePoint { peaks: vec![dof], ..point });
+                    }
+                    Some(_) => {}
+                    // A wiggle keeps it from being closed in: the highest place of the steps.
+                    None => curve.points.get_mut(latest).into_iter().for_each(|p| p.peaks.push(dof)),
                 }
             }
         }
@@ -237,6 +249,7 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
             break reason;
         }
         arclength += length;
+        latest = curve.points.len();
         curve.points.push(tracer.point(&next, arclength));
         rising = Some((here, length));
         (place, here) = (next, ahead);
@@ -247,6 +260,11 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
 }
 
 impl Place {
+    /// The unknowns, then the parameter.
+    fn coordinates(&self) -> Vec<f64> {
+        self.unknowns.iter().copied().chain([self.parameter]).collect()
+    }
+
     /// Whether the parameter grows along the tangent.
     fn rises(&self) -> bool {
         self.tangent.last().is_some_and(|t| *t > 0.0)
@@ -267,6 +285,10 @@ pub(crate) struct Tracer<'c> {
     pub(crate) length: f64,
     /// Newton steps of correctors so far.
     pub(crate) corrections: usize,
+    /// Coordinates before and after the last step.
+    behind: Option<(Vec<f64>, Vec<f64>)>,
+    /// The last step went along a chord.
+    rough: bool,
     lu: Lu<f64>,
     column: Mat<f64>,
     slope: Vec<c64>,
@@ -286,6 +308,8 @@ impl<'c> Tracer<'c> {
             least: LEAST * (to - from).abs(),
             length: FIRST_STEP,
             corrections: 0,
+            behind: None,
+            rough: false,
             lu: Lu::new(2 * entries + 1, 1),
             column: Mat::zeros(2 * entries + 1, 1),
             slope: vec![c64::ZERO; entries],
@@ -345,6 +369,22 @@ impl<'c> Tracer<'c> {
         Some(norm.ok()? / if reference > 0.0 { reference } else { 1.0 })
     }
 
+    /// The relative residual that rounding leaves at the place evaluated last.
+    fn rounding(&self, parameter: f64) -> f64 {
+        let (plan, goal) = (self.course.plan(), self.ws.goal);
+        let slots = plan.rungs[goal].slots;
+        let reference = self.ws.point.excitation_norm(slots);
+        let homotopy = self.course.homotopy(parameter);
+        let terms = plan.balance(goal).terms(
+            &self.ws.point,
+            slots,
+            homotopy,
+            &self.ws.unknowns,
+            &self.ws.balance[goal],
+        );
+        if reference > 0.0 { rounded(terms / reference) } else { 0.0 }
+    }
+
     /// Factors the bordered derivative at the place evaluated last; `border` is its last row.
     fn factor(&mut self, parameter: f64, border: &[f64]) -> bool {
         let (goal, size) = (self.ws.goal, self.size());
@@ -401,24 +441,85 @@ impl<'c> Tracer<'c> {
     /// One step forward and its length; shorter ones until one succeeds.
     pub(crate) fn step(&mut self, from: &Place) -> Option<(Place, f64)> {
         let metric = Metric::at(from, self.least);
+        let chord = self.chord(from, &metric);
         while self.length >= SHORTEST_STEP {
-            let along = from.tangent.last().map_or(0.0, |t| t.abs());
             let limit = self.course.reach(from.parameter).clamp(SLOWEST * self.longest, self.longest);
-            let length = if along > 0.0 { self.length.min(limit / along) } else { self.length };
-            if let Some((next, corrections)) = self.advance(from, &metric, length) {
-                let straight = metric.product(&from.tangent, &next.tangent)
-                    / metric.product(&next.tangent, &next.tangent).sqrt();
-                if straight >= STRAIGHT || length <= 1e3 * SHORTEST_STEP {
-                    let change = (WANTED_CORRECTIONS / corrections as f64).clamp(0.5, 1.6);
-                    // A turning tangent shortens the next step before it has to be repeated.
-                    let turn = if straight < 0.98 { 0.7 } else { 1.0 };
-                    self.length = (length * change * turn).min(LONGEST_STEP);
-                    return Some((next, length));
-                }
+            let bounded = |length: f64, direction: &[f64]| {
+                let along = direction.last().map_or(0.0, |t| t.abs());
+                if along > 0.0 { length.min(limit / along) } else { length }
+            };
+            let mut found = None;
+            if let Some(chord) = chord.as_ref().filter(|_| self.rough) {
+                found = self.along_chord(from, &metric, chord, bounded(self.length, chord));
             }
-            self.length = 0.4 * length;
+            if found.is_none() {
+                found = self.along_tangent(from, &metric, bounded(self.length, &from.tangent));
+            }
+            if let Some(chord) = chord.as_ref().filter(|_| found.is_none() && !self.rough) {
+                found = self.along_chord(from, &metric, chord, bounded(self.length, chord));
+                self.rough = found.is_some();
+            }
+            if let Some((next, length)) = found {
+                self.behind = Some((from.coordinates(), next.coordinates()));
+                return Some((next, length));
+            }
+            self.length = 0.4 * bounded(self.length, &from.tangent);
         }
         None
+    }
+
+    /// A step along the tangent, after which the tangent points nearly the same way; chooses the length of the next.
+    fn along_tangent(&mut self, from: &Place, metric: &Metric, length: f64) -> Option<(Place, f64)> {
+        let (next, corrections) = self.advance(from, metric, length)?;
+        let straight = metric.product(&from.tangent, &next.tangent)
+            / metric.product(&next.tangent, &next.tangent).sqrt();
+        if straight < STRAIGHT && length > 1e3 * SHORTEST_STEP {
+            return None;
+        }
+        let change = (WANTED_CORRECTIONS / corrections as f64).clamp(0.5, 1.6);
+        // A turning tangent shortens the next step before it has to be repeated.
+        let turn = if straight < 0.98 { 0.7 } else { 1.0 };
+        self.length = (length * change * turn).min(LONGEST_STEP);
+        Some((next, length))
+    }
+
+    /// A step along the chord of the last one, over wiggles that are shorter than it: the tangent is that of a wiggle, but
+    /// the places lie nearly in a line.
+    fn along_chord(
+        &mut self,
+        from: &Place,
+        metric: &Metric,
+        chord: &[f64],
+        length: f64,
+    ) -> Option<(Place, f64)> {
+        let guess: Vec<f64> =
+            from.coordinates().iter().zip(chord).map(|(x, along)| x + length * along).collect();
+        let border = metric.row(chord);
+        let (next, _) = self.correct(&guess, metric, &border, 2.0 * length.max(1e-3))?;
+        let aside: Vec<f64> = next.coordinates().iter().zip(&guess).map(|(x, guess)| x - guess).collect();
+        let aside = metric.product(&aside, &aside).sqrt() / length;
+        if aside > ASIDE {
+            return None;
+        }
+        self.length = (length * if aside < 0.3 * ASIDE { 1.5 } else { 1.0 }).min(LONGEST_STEP);
+        // The curve is smooth again where the tangent is the chord.
+        let size = metric.product(&next.tangent, &next.tangent).sqrt();
+        self.rough = metric.product(chord, &next.tangent) < SMOOTH * size;
+        Some((next, length))
+    }
+
+    /// Where forces are sampled: the direction of the last step, if it led to `here`.
+    fn chord(&self, here: &Place, metric: &Metric) -> Option<Vec<f64>> {
+        let (behind, there) = self.behind.as_ref().filter(|_| self.course.plan().has_samples())?;
+        let at = here.coordinates();
+        if *there != at {
+            return None;
+        }
+        let mut chord: Vec<f64> = at.iter().zip(behind).map(|(here, behind)| here - behind).collect();
+        metric.normalise(&mut chord);
+        // Whoever turned the tangent round wants to go back.
+        let ahead = metric.product(&chord, &here.tangent) > 0.0 || self.rough;
+        (ahead && chord.iter().all(|entry| entry.is_finite())).then_some(chord)
     }
 
     /// Predictor and corrector; the place and how many corrections it took.
@@ -447,7 +548,8 @@ impl<'c> Tracer<'c> {
                 return None;
             }
             let settled = residual <= FLOOR && last_step <= ROUNDING;
-            if settled || (residual <= tolerance && last_step <= SHORT_STEP) {
+            let short = last_step <= SHORT_STEP;
+            if settled || (short && (residual <= tolerance || residual <= self.rounding(*parameter))) {
                 let mut place = Place {
                     unknowns: unknowns.to_vec(),
                     parameter: *parameter,

@@ -9,14 +9,17 @@ use std::f64::consts::TAU;
 use crate::continuation::CurvePoint;
 use crate::plan::Plan;
 
-/// Least prominence, relative to the height: correctors leave less than this of a point's error.
+/// Least prominence, relative to the height: the error that correctors leave is below it.
 const NOISE: f64 = 1e-6;
 
 impl Plan {
-    /// Least prominence of a maximum, relative to its height. Trapezoidal sums of forces with kinks err by up to (2π/M)².
+    /// Least prominence of a maximum, relative to its height. Trapezoidal sums of forces with kinks err by up to (2π/M)², and a
+    /// resonance answers with a few times that.
     fn noise(&self) -> f64 {
         match self.rungs.get(self.top) {
-            Some(rung) if self.has_samples() => (TAU / rung.transform.samples() as f64).powi(2).max(NOISE),
+            Some(rung) if self.has_samples() => {
+                (2.0 * TAU / rung.transform.samples() as f64).powi(2).max(NOISE)
+            }
             _ => NOISE,
         }
     }

@@ -2,8 +2,8 @@
 //!
 //! The way through the crate:
 //!
-//! 1. [`Record::read`] reads displacement and force (time is optional) from a text file and converts them
-//!    to SI units;
+//! 1. [`Record::read`] reads displacement and force (time is optional) from a text file, arrays of NumPy or MATLAB, or a
+//!    universal file, and converts them to SI units;
 //! 2. [`fit`] finds the turning points, tells the steady cycles from run-up and run-down, gives every
 //!    sample its loop phase, averages, and fits the Fourier series;
 //! 3. the resulting [`Loop`] evaluates the force over loop phase.
@@ -39,7 +39,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod array_file;
 mod average;
+mod channel_error;
+mod channels;
 mod checks;
 mod cycles;
 #[cfg(test)]
@@ -60,8 +63,10 @@ mod record_error;
 pub mod synthetic;
 mod table;
 mod turning_points;
+mod uff;
 mod units;
 
+pub use channel_error::ChannelError;
 pub use error::{FitError, LoopError};
 pub use fit::{EVEN_CONTENT_LIMIT, Fit, FitSettings, MeanCycle, fit};
 pub use hysteresis_loop::Loop;

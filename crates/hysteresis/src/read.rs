@@ -2,10 +2,16 @@
 
 use std::borrow::Cow;
 
+use arrays::Format;
+
+use crate::array_file::ArrayChannels;
+use crate::channel_error::ChannelError;
+use crate::channels;
 use crate::options::{Column, ReadOptions};
 use crate::record::{Quantity, Record};
 use crate::record_error::RecordError;
 use crate::table::{self, Delimiter};
+use crate::uff::{self, UffChannels};
 use crate::units::{ForceUnit, LengthUnit, TimeUnit, UnknownUnit};
 
 /// The text of a file: UTF-8, UTF-16 with a byte order mark, or else Latin-1 (which has a micro sign too).
@@ -23,7 +29,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 /// Names that a quantity's column goes by, in lower case.
-fn usual_names(quantity: Quantity) -> &'static [&'static str] {
+pub(crate) fn usual_names(quantity: Quantity) -> &'static [&'static str] {
     match quantity {
         Quantity::Time => &["time", "t"],
         Quantity::Displacement => {
@@ -33,7 +39,7 @@ fn usual_names(quantity: Quantity) -> &'static [&'static str] {
     }
 }
 
-fn example_unit(quantity: Quantity) -> &'static str {
+pub(crate) fn example_unit(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Time => "s",
         Quantity::Displacement => "um",
@@ -42,12 +48,21 @@ fn example_unit(quantity: Quantity) -> &'static str {
 }
 
 /// Size of a unit of `quantity` in SI units.
-fn unit_in_si(quantity: Quantity, text: &str) -> Result<f64, UnknownUnit> {
+pub(crate) fn unit_in_si(quantity: Quantity, text: &str) -> Result<f64, UnknownUnit> {
     Ok(match quantity {
         Quantity::Time => text.parse::<TimeUnit>()?.in_si(),
         Quantity::Displacement => text.parse::<LengthUnit>()?.in_si(),
         Quantity::Force => text.parse::<ForceUnit>()?.in_si(),
     })
+}
+
+/// Size in SI units of the unit that the caller gives for `quantity`.
+pub(crate) fn given_unit(quantity: Quantity, options: &ReadOptions) -> Option<f64> {
+    match quantity {
+        Quantity::Time => options.units.time.map(TimeUnit::in_si),
+        Quantity::Displacement => options.units.displacement.map(LengthUnit::in_si),
+        Quantity::Force => options.units.force.map(ForceUnit::in_si),
+    }
 }
 
 /// The names and units above the numbers.
@@ -154,12 +169,7 @@ impl Source {
             (None, None) if quantity == Quantity::Time => return Ok(None),
             (None, None) => return Err(RecordError::NoHeader { line: first_line, quantity }),
         };
-        let given = match quantity {
-            Quantity::Time => options.units.time.map(TimeUnit::in_si),
-            Quantity::Displacement => options.units.displacement.map(LengthUnit::in_si),
-            Quantity::Force => options.units.force.map(ForceUnit::in_si),
-        };
-        let factor = match (given, header.and_then(|header| header.unit(column))) {
+        let factor = match (given_unit(quantity, options), header.and_then(|header| header.unit(column))) {
             (Some(factor), _) => factor,
             (None, Some(unit)) => unit_in_si(quantity, unit).map_err(|source| RecordError::UnitUnknown {
                 column: column + 1,
@@ -199,6 +209,32 @@ impl Source {
             }
         }
     }
+}
+
+/// Refuses a file whose name says that it holds arrays while its bytes don't.
+pub(crate) fn named(extension: Option<&str>, bytes: &[u8]) -> Result<(), RecordError> {
+    let known = Format::of(bytes).map_err(|error| ChannelError::File(error.to_string()))?;
+    let wanted = match extension {
+        Some("mat") if known != Some(Format::Mat) => {
+            "is no MATLAB file of version 5 to 7; save it with -v7: save('record.mat', '-v7')"
+        }
+        Some("npy") if known != Some(Format::Npy) => "is no .npy array: it does not begin with \\x93NUMPY",
+        Some("npz") if known != Some(Format::Npz) => "is no .npz archive",
+        _ => return Ok(()),
+    };
+    Err(ChannelError::File(wanted.to_owned()).into())
+}
+
+/// Reads the bytes of a file; see [`Record::from_bytes`].
+pub(crate) fn from_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Record, RecordError> {
+    let format = Format::of(bytes).map_err(|error| ChannelError::File(error.to_string()))?;
+    if let Some(format) = format {
+        return Ok(channels::record(&ArrayChannels::open(bytes, format)?, options)?);
+    }
+    if uff::is_uff(bytes) {
+        return Ok(channels::record(&UffChannels::open(bytes)?, options)?);
+    }
+    parse(&decode(bytes), options)
 }
 
 /// Reads the text of a file; see [`Record::parse`].

@@ -81,17 +81,32 @@ impl Record {
         Ok(Self { time, displacement, force, lines: Vec::new() })
     }
 
-    /// Reads a file. See [`Record::parse`] for what it may look like; beyond UTF-8 it may also be UTF-16 with
-    /// a byte order mark or Latin-1.
+    /// Reads a file of any of the forms of [`Record::from_bytes`].
     ///
     /// # Errors
-    /// [`RecordError::InFile`] with the path, around what [`Record::parse`] reports, or
+    /// [`RecordError::InFile`] with the path, around what [`Record::from_bytes`] reports, or
     /// [`RecordError::Unreadable`].
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, RecordError> {
         let bytes = std::fs::read(path)
             .map_err(|source| RecordError::Unreadable { path: path.to_owned(), source })?;
-        Self::parse(&read::decode(&bytes), options)
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        read::named(extension.as_deref(), &bytes)
+            .and_then(|()| Self::from_bytes(&bytes, options))
             .map_err(|source| RecordError::InFile { path: path.to_owned(), source: Box::new(source) })
+    }
+
+    /// Reads the bytes of a file, whose form is told by its first bytes:
+    ///
+    /// - arrays of NumPy (`.npy`, `.npz`) and variables of MATLAB (`.mat` up to version 7): each vector, and each column of a matrix,
+    ///   is a column of the record; it is chosen by its name, `disp`, or `data:2` for the second column of `data`, or by its number
+    ///   where the file has one array;
+    /// - universal files: datasets of type 58 in ASCII, chosen by their dof, `12+X`, their label, or their number;
+    /// - else a text, see [`Record::parse`], which beyond UTF-8 may also be UTF-16 with a byte order mark or Latin-1.
+    ///
+    /// # Errors
+    /// What is wrong, where, and what to try.
+    pub fn from_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Self, RecordError> {
+        read::from_bytes(bytes, options)
     }
 
     /// Reads the text of a file.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::channel_error::ChannelError;
 use crate::options::Column;
 use crate::record::Quantity;
 use crate::units::UnknownUnit;
@@ -29,6 +30,9 @@ pub enum RecordError {
         /// What is wrong there.
         source: Box<RecordError>,
     },
+    /// The arrays or datasets of a file make no record.
+    #[error(transparent)]
+    Channel(#[from] ChannelError),
     /// There is no line of numbers.
     #[error(
         "there are no samples: expected a header such as `displacement [um],force [N]` and one line of numbers a sample"

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use arrays::{Cell, Kind, Table};
 use hbm::{ContinuationOptions, CurveEnd, CurvePoint, Problem, Solution};
 use serde::Serialize;
 
@@ -77,6 +78,34 @@ impl CurveOutcome {
     pub fn amplitude(&self, dof: usize, point: &CurveOutcomePoint) -> Option<f64> {
         let (_, spectrum) = point.point.displacement.as_ref()?.0.get(dof)?;
         spectrum.0.iter().find(|(k, _)| *k > 0).map(|(_, w)| w.norm())
+    }
+}
+
+impl CurveOutcome {
+    /// The displacements as a long table, one row a harmonic.
+    pub fn table(&self) -> Table<'_> {
+        let columns = [
+            ("arclength", Kind::Number),
+            ("parameter", Kind::Number),
+            ("fold", Kind::Truth),
+            ("dof", Kind::Text),
+            ("harmonic", Kind::Whole),
+            ("re", Kind::Number),
+            ("im", Kind::Number),
+        ];
+        Table::new(columns, |take| {
+            for point in &self.points {
+                let [arclength, parameter] = [point.arclength, point.parameter].map(Cell::Number);
+                for (dof, spectrum) in point.point.displacement.iter().flat_map(|named| &named.0) {
+                    for (k, w) in &spectrum.0 {
+                        let (re, im) = (Cell::Number(w.re), Cell::Number(w.im));
+                        let (dof, k) = (Cell::Text(dof), Cell::Whole(*k));
+                        take(&[arclength, parameter, Cell::Truth(point.fold), dof, k, re, im])?;
+                    }
+                }
+            }
+            Ok(())
+        })
     }
 }
 

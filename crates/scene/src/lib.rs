@@ -42,6 +42,7 @@ mod matrix;
 mod model;
 mod motion;
 mod notes;
+mod npz;
 mod outcome;
 mod peak;
 mod pose;

@@ -1,7 +1,6 @@
 //! The result of a sweep as plain data for JSON, and its other written form, long CSV.
 
-use std::io::{self, Write};
-
+use arrays::{Cell, Kind, Table};
 use contact::ContactState;
 use hbm::{ContactSolution, DirectionSolution, JointSolution, Solution, Status};
 use num_complex::Complex64;
@@ -262,31 +261,34 @@ impl Outcome {
         }
     }
 
-    /// Writes the displacements as long CSV, one line a harmonic; a failed point has one line with empty values.
-    ///
-    /// # Errors
-    /// When `out` cannot be written.
-    pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
-        let mut table = csv::Writer::from_writer(out);
-        table.write_record(CSV_COLUMNS)?;
-        for point in &self.points {
-            let frequency = point.frequency.to_string();
-            let Some(displacement) = &point.displacement else {
-                table.write_record([frequency.as_str(), point.status, "", "", "", ""])?;
-                continue;
-            };
-            for (dof, spectrum) in &displacement.0 {
-                for (k, w) in &spectrum.0 {
-                    let (k, re, im) = (k.to_string(), format!("{:e}", w.re), format!("{:e}", w.im));
-                    table.write_record([&frequency, point.status, dof, &k, &re, &im])?;
+    /// The displacements as a long table, one row a harmonic; a failed point has one row with empty values.
+    pub fn table(&self) -> Table<'_> {
+        let columns = [
+            ("frequency", Kind::Plain),
+            ("status", Kind::Text),
+            ("dof", Kind::Text),
+            ("harmonic", Kind::Whole),
+            ("re", Kind::Number),
+            ("im", Kind::Number),
+        ];
+        Table::new(columns, |take| {
+            for point in &self.points {
+                let (frequency, status) = (Cell::Number(point.frequency), Cell::Text(point.status));
+                let Some(displacement) = &point.displacement else {
+                    take(&[frequency, status, Cell::Missing, Cell::Missing, Cell::Missing, Cell::Missing])?;
+                    continue;
+                };
+                for (dof, spectrum) in &displacement.0 {
+                    for (k, w) in &spectrum.0 {
+                        let (re, im) = (Cell::Number(w.re), Cell::Number(w.im));
+                        take(&[frequency, status, Cell::Text(dof), Cell::Whole(*k), re, im])?;
+                    }
                 }
             }
-        }
-        table.flush()
+            Ok(())
+        })
     }
 }
-
-const CSV_COLUMNS: [&str; 6] = ["frequency", "status", "dof", "harmonic", "re", "im"];
 
 /// The names that turn a solution's rows and columns into a result.
 pub(crate) struct Names<'a> {

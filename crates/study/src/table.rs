@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use arrays::{Cell, Kind};
 use scene::{Harmonics, Named};
 use serde::Serialize;
 use serde_json::Value;
@@ -48,19 +49,6 @@ struct Row<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     failed: Option<usize>,
 }
-
-/// Columns beside the varied entries.
-const COLUMNS: [&str; 9] = [
-    "harmonics",
-    "dof",
-    "frequency",
-    "what",
-    "amplitude",
-    "first",
-    "dissipation",
-    "truncation_error",
-    "failed",
-];
 
 impl Table<'_> {
     fn rows(&self) -> impl Iterator<Item = (Case, &FinishedCase, &Entry)> {
@@ -113,33 +101,53 @@ impl Table<'_> {
         scene::write_json(out, &answer)
     }
 
-    /// Writes it as CSV, one line a row; the varied entries come first, named by their pointers.
+    /// The same as a flat table; the varied entries come first, named by their pointers.
+    pub fn flat(&self) -> arrays::Table<'_> {
+        let what = if self.study.keep() == Keep::Peaks { "peak" } else { "status" };
+        let counts = self.study.harmonics().iter().all(|n| matches!(n, Harmonics::All(_)));
+        let columns = [
+            ("harmonics", if counts { Kind::Whole } else { Kind::Text }),
+            ("dof", Kind::Text),
+            ("frequency", Kind::Plain),
+            (what, Kind::Text),
+            ("amplitude", Kind::Number),
+            ("first", Kind::Number),
+            ("dissipation", Kind::Number),
+            ("truncation_error", Kind::Number),
+            ("failed", Kind::Whole),
+        ];
+        let pointers = self.study.axes().iter().map(|axis| (axis.pointer.as_str(), Kind::Plain));
+        arrays::Table::new(pointers.chain(columns), move |take| {
+            for (case, finished, entry) in self.rows() {
+                let text = short(case.harmonics);
+                let harmonics = match case.harmonics {
+                    Harmonics::All(n) if counts => Cell::Whole(n),
+                    _ => Cell::Text(&text),
+                };
+                let mut row: Vec<Cell> = case.values.iter().copied().map(Cell::Number).collect();
+                row.extend([
+                    harmonics,
+                    Cell::Text(self.dof(entry)),
+                    Cell::Number(entry.frequency),
+                    Cell::Text(entry.kind.word()),
+                    entry.amplitude.into(),
+                    entry.first.into(),
+                    entry.dissipation.into(),
+                    entry.truncation_error.into(),
+                    Cell::Whole(finished.failed),
+                ]);
+                take(&row)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Writes it as CSV, one line a row.
     ///
     /// # Errors
     /// When `out` cannot be written.
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
-        let mut table = csv::Writer::from_writer(out);
-        let what = if self.study.keep() == Keep::Peaks { "peak" } else { "status" };
-        let columns = COLUMNS.map(|column| if column == "what" { what } else { column });
-        let pointers = self.study.axes().iter().map(|axis| axis.pointer.as_str());
-        table.write_record(pointers.chain(columns))?;
-        let cell = |value: Option<f64>| value.map(|value| format!("{value:e}")).unwrap_or_default();
-        for (case, finished, entry) in self.rows() {
-            let mut line: Vec<String> = case.values.iter().map(f64::to_string).collect();
-            line.extend([
-                short(case.harmonics),
-                self.dof(entry).to_owned(),
-                entry.frequency.to_string(),
-                entry.kind.word().to_owned(),
-                cell(entry.amplitude),
-                cell(entry.first),
-                cell(entry.dissipation),
-                cell(entry.truncation_error),
-                finished.failed.to_string(),
-            ]);
-            table.write_record(&line)?;
-        }
-        table.flush()
+        self.flat().write_csv(out)
     }
 }
 
