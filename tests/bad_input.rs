@@ -479,7 +479,10 @@ fn arguments() {
     refused_arguments(&["sweep", "scene.json", "--frequencies", "0:2:3"], "no positive frequency");
     refused_arguments(&["sweep", "scene.json", "--frequencies", "1:2:3:cubic"], "FROM:TO:POINTS");
     refused_arguments(&["sweep", "scene.json", "--threads", "0"], "--threads");
-    refused_arguments(&["sweep", "scene.json", "--format", "xml"], "[possible values: json, csv]");
+    refused_arguments(
+        &["sweep", "scene.json", "--format", "xml"],
+        "[possible values: json, csv, npz, parquet]",
+    );
     refused_arguments(&["sweep", "scene.json", "-o", "out.xlsx"], "no format is called .xlsx");
     refused_arguments(&["sweep", "scene.json", "-o", "./scene.json"], "./scene.json is named twice");
     refused_arguments(

@@ -40,7 +40,8 @@ impl<'a> ArrayChannels<'a> {
                     what: match &entry.other {
                         Some(other) if entry.shape.is_empty() => other.clone(),
                         Some(other) => format!("{}, {other}", extents(&entry.shape)),
-                        None => format!("of {}", extents(&entry.shape)),
+                        None if columns > 1 => format!("of {}", extents(&entry.shape)),
+                        None => extents(&entry.shape),
                     },
                 });
                 places.push((index, column));

@@ -17,8 +17,26 @@ def run(folder, *arguments):
     assert done.returncode == 0, done.stderr
 
 
+def assert_is_table(columns, path):
+    """Columns by name against the same table as CSV, digit by digit."""
+    text = pd.read_csv(path, dtype=str, keep_default_na=False)
+    assert list(columns) == list(text.columns)
+    assert len(text) > 1
+    for name, words in text.items():
+        values = np.asarray(columns[name])
+        assert len(values) == len(words), name
+        if values.dtype == bool:
+            assert values.tolist() == [word == "1" for word in words], name
+        elif np.issubdtype(values.dtype, np.number):
+            missing = np.isnan(values) | ((values == -1) & np.issubdtype(values.dtype, np.integer))
+            assert missing.tolist() == [word == "" for word in words], name
+            assert values[~missing].tolist() == [float(word) for word in words if word], name
+        else:
+            assert ["" if word is None or word != word else word for word in values.tolist()] == words.tolist(), name
+
+
 @pytest.fixture(scope="module")
-def results(tmp_path_factory, request):
+def results(tmp_path_factory):
     from conftest import SCENES
 
     folder = tmp_path_factory.mktemp("results")
@@ -83,8 +101,7 @@ def test_contacts_in_several_directions_have_a_row_each(tmp_path):
 
 def test_parquet_is_the_table_of_csv(results):
     table = pd.read_parquet(results / "x.parquet", engine="pyarrow")
-    text = pd.read_csv(results / "x.csv", float_precision="round_trip")
-    pd.testing.assert_frame_equal(table, text, check_exact=True, check_dtype=False)
+    assert_is_table(table, results / "x.csv")
     assert table["re"].dtype == float and table["harmonic"].dtype == np.int64
     import pyarrow.parquet
 
@@ -108,23 +125,18 @@ def test_tables_of_every_command(tmp_path):
     scene = SCENES / "elastic-coulomb.json"
     commands = {
         "study": ["study", "study.json"],
-        "backbone": ["backbone", scene, "--points", "5", "--harmonics", "3"],
+        "backbone": ["backbone", scene, "--points", "12", "--harmonics", "1"],
         "continue": ["continue", SCENES / "cubic.json", "--harmonics", "1", "--from", "35", "--to", "50"],
     }
     for name, command in commands.items():
         for extension in ("csv", "parquet", "npz"):
             run(tmp_path, *command, "-o", f"{name}.{extension}")
-        text = pd.read_csv(tmp_path / f"{name}.csv", float_precision="round_trip")
-        table = pd.read_parquet(tmp_path / f"{name}.parquet", engine="pyarrow")
-        assert len(text) > 1
-        pd.testing.assert_frame_equal(table.astype(text.dtypes), text, check_exact=True)
+        assert_is_table(pd.read_parquet(tmp_path / f"{name}.parquet", engine="pyarrow"), tmp_path / f"{name}.csv")
         with np.load(tmp_path / f"{name}.npz") as arrays:
-            if name == "continue":
-                assert arrays["fold"].dtype == bool and arrays["fold"].any()
-                assert arrays["parameter"].shape == arrays["frequency"].shape
-                assert arrays["peak"].shape == arrays["W"].shape[:2]
+            if name != "continue":
+                assert_is_table(arrays, tmp_path / f"{name}.csv")
                 continue
-            assert arrays.files == list(text.columns)
-            for column in text.columns:
-                values = pd.Series(arrays[column]).astype(text[column].dtype)
-                pd.testing.assert_series_equal(values, text[column], check_names=False, check_exact=True)
+            assert arrays["fold"].dtype == bool and arrays["fold"].any()
+            assert arrays["parameter"].shape == arrays["frequency"].shape
+            assert arrays["peak"].shape == arrays["W"].shape[:2]
+            assert arrays["along"] == "frequency"
