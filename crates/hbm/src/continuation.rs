@@ -16,10 +16,10 @@ use crate::balance::Homotopy;
 use crate::course::{Course, EntryCourse, FrequencyCourse, HOMOTOPY_START, HomotopyCourse};
 use crate::dense::Lu;
 use crate::error::PlanError;
-use crate::newton::{FLOOR, rounded};
+use crate::newton::FLOOR;
 use crate::plan::Plan;
 use crate::problem::Problem;
-use crate::prominence::keep_prominent;
+use crate::prominence::{keep_prominent, keep_wide};
 use crate::settings::Settings;
 use crate::solution::{Solution, Status};
 use crate::workspace::Workspace;
@@ -93,12 +93,6 @@ const WANTED_CORRECTIONS: f64 = 3.5;
 /// The tangent may turn by this much (cosine) in a step.
 const STRAIGHT: f64 = 0.94;
 
-/// A place may lie this part of a step beside the chord through the two before it.
-const ASIDE: f64 = 0.25;
-
-/// A tangent this near to the chord (cosine) is no wiggle's.
-const SMOOTH: f64 = 0.995;
-
 /// First, longest and shortest relative step.
 const FIRST_STEP: f64 = 0.01;
 const LONGEST_STEP: f64 = 0.25;
@@ -117,7 +111,7 @@ const PEAK: f64 = 1e-3;
 const SHORT_STEP: f64 = 1e-5;
 
 /// Where corrections are as small as this, rounding allows no smaller residual than there is.
-const ROUNDING: f64 = 1e-11;
+const ROUNDING: f64 = 1e-9;
 
 /// A dimensionless displacement below this is rest.
 const AT_REST: f64 = 1e-9;
@@ -235,7 +229,7 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
                         curve.points.push(CurvePoint { peaks: vec![dof], ..point });
                     }
                     Some(_) => {}
-                    // A wiggle keeps it from being closed in: the highest place of the steps.
+                    // What keeps it from being closed in is small: the highest place of the steps.
                     None => curve.points.get_mut(latest).into_iter().for_each(|p| p.peaks.push(dof)),
                 }
             }
@@ -256,15 +250,11 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
     };
     curve.points.sort_by(|a, b| a.arclength.total_cmp(&b.arclength));
     keep_prominent(&mut curve.points, course.plan());
+    keep_wide(&mut curve.points, course.plan());
     curve
 }
 
 impl Place {
-    /// The unknowns, then the parameter.
-    fn coordinates(&self) -> Vec<f64> {
-        self.unknowns.iter().copied().chain([self.parameter]).collect()
-    }
-
     /// Whether the parameter grows along the tangent.
     fn rises(&self) -> bool {
         self.tangent.last().is_some_and(|t| *t > 0.0)
@@ -285,10 +275,6 @@ pub(crate) struct Tracer<'c> {
     pub(crate) length: f64,
     /// Newton steps of correctors so far.
     pub(crate) corrections: usize,
-    /// Coordinates before and after the last step.
-    behind: Option<(Vec<f64>, Vec<f64>)>,
-    /// The last step went along a chord.
-    rough: bool,
     lu: Lu<f64>,
     column: Mat<f64>,
     slope: Vec<c64>,
@@ -308,8 +294,6 @@ impl<'c> Tracer<'c> {
             least: LEAST * (to - from).abs(),
             length: FIRST_STEP,
             corrections: 0,
-            behind: None,
-            rough: false,
             lu: Lu::new(2 * entries + 1, 1),
             column: Mat::zeros(2 * entries + 1, 1),
             slope: vec![c64::ZERO; entries],
@@ -369,22 +353,6 @@ impl<'c> Tracer<'c> {
         Some(norm.ok()? / if reference > 0.0 { reference } else { 1.0 })
     }
 
-    /// The relative residual that rounding leaves at the place evaluated last.
-    fn rounding(&self, parameter: f64) -> f64 {
-        let (plan, goal) = (self.course.plan(), self.ws.goal);
-        let slots = plan.rungs[goal].slots;
-        let reference = self.ws.point.excitation_norm(slots);
-        let homotopy = self.course.homotopy(parameter);
-        let terms = plan.balance(goal).terms(
-            &self.ws.point,
-            slots,
-            homotopy,
-            &self.ws.unknowns,
-            &self.ws.balance[goal],
-        );
-        if reference > 0.0 { rounded(terms / reference) } else { 0.0 }
-    }
-
     /// Factors the bordered derivative at the place evaluated last; `border` is its last row.
     fn factor(&mut self, parameter: f64, border: &[f64]) -> bool {
         let (goal, size) = (self.ws.goal, self.size());
@@ -441,85 +409,24 @@ impl<'c> Tracer<'c> {
     /// One step forward and its length; shorter ones until one succeeds.
     pub(crate) fn step(&mut self, from: &Place) -> Option<(Place, f64)> {
         let metric = Metric::at(from, self.least);
-        let chord = self.chord(from, &metric);
         while self.length >= SHORTEST_STEP {
+            let along = from.tangent.last().map_or(0.0, |t| t.abs());
             let limit = self.course.reach(from.parameter).clamp(SLOWEST * self.longest, self.longest);
-            let bounded = |length: f64, direction: &[f64]| {
-                let along = direction.last().map_or(0.0, |t| t.abs());
-                if along > 0.0 { length.min(limit / along) } else { length }
-            };
-            let mut found = None;
-            if let Some(chord) = chord.as_ref().filter(|_| self.rough) {
-                found = self.along_chord(from, &metric, chord, bounded(self.length, chord));
+            let length = if along > 0.0 { self.length.min(limit / along) } else { self.length };
+            if let Some((next, corrections)) = self.advance(from, &metric, length) {
+                let straight = metric.product(&from.tangent, &next.tangent)
+                    / metric.product(&next.tangent, &next.tangent).sqrt();
+                if straight >= STRAIGHT || length <= 1e3 * SHORTEST_STEP {
+                    let change = (WANTED_CORRECTIONS / corrections as f64).clamp(0.5, 1.6);
+                    // A turning tangent shortens the next step before it has to be repeated.
+                    let turn = if straight < 0.98 { 0.7 } else { 1.0 };
+                    self.length = (length * change * turn).min(LONGEST_STEP);
+                    return Some((next, length));
+                }
             }
-            if found.is_none() {
-                found = self.along_tangent(from, &metric, bounded(self.length, &from.tangent));
-            }
-            if let Some(chord) = chord.as_ref().filter(|_| found.is_none() && !self.rough) {
-                found = self.along_chord(from, &metric, chord, bounded(self.length, chord));
-                self.rough = found.is_some();
-            }
-            if let Some((next, length)) = found {
-                self.behind = Some((from.coordinates(), next.coordinates()));
-                return Some((next, length));
-            }
-            self.length = 0.4 * bounded(self.length, &from.tangent);
+            self.length = 0.4 * length;
         }
         None
-    }
-
-    /// A step along the tangent, after which the tangent points nearly the same way; chooses the length of the next.
-    fn along_tangent(&mut self, from: &Place, metric: &Metric, length: f64) -> Option<(Place, f64)> {
-        let (next, corrections) = self.advance(from, metric, length)?;
-        let straight = metric.product(&from.tangent, &next.tangent)
-            / metric.product(&next.tangent, &next.tangent).sqrt();
-        if straight < STRAIGHT && length > 1e3 * SHORTEST_STEP {
-            return None;
-        }
-        let change = (WANTED_CORRECTIONS / corrections as f64).clamp(0.5, 1.6);
-        // A turning tangent shortens the next step before it has to be repeated.
-        let turn = if straight < 0.98 { 0.7 } else { 1.0 };
-        self.length = (length * change * turn).min(LONGEST_STEP);
-        Some((next, length))
-    }
-
-    /// A step along the chord of the last one, over wiggles that are shorter than it: the tangent is that of a wiggle, but
-    /// the places lie nearly in a line.
-    fn along_chord(
-        &mut self,
-        from: &Place,
-        metric: &Metric,
-        chord: &[f64],
-        length: f64,
-    ) -> Option<(Place, f64)> {
-        let guess: Vec<f64> =
-            from.coordinates().iter().zip(chord).map(|(x, along)| x + length * along).collect();
-        let border = metric.row(chord);
-        let (next, _) = self.correct(&guess, metric, &border, 2.0 * length.max(1e-3))?;
-        let aside: Vec<f64> = next.coordinates().iter().zip(&guess).map(|(x, guess)| x - guess).collect();
-        let aside = metric.product(&aside, &aside).sqrt() / length;
-        if aside > ASIDE {
-            return None;
-        }
-        self.length = (length * if aside < 0.3 * ASIDE { 1.5 } else { 1.0 }).min(LONGEST_STEP);
-        // The curve is smooth again where the tangent is the chord.
-        let size = metric.product(&next.tangent, &next.tangent).sqrt();
-        self.rough = metric.product(chord, &next.tangent) < SMOOTH * size;
-        Some((next, length))
-    }
-
-    /// Where forces are sampled: the direction of the last step, if it led to `here`.
-    fn chord(&self, here: &Place, metric: &Metric) -> Option<Vec<f64>> {
-        let (behind, there) = self.behind.as_ref().filter(|_| self.course.plan().has_samples())?;
-        let at = here.coordinates();
-        if *there != at {
-            return None;
-        }
-        let mut chord: Vec<f64> = at.iter().zip(behind).map(|(here, behind)| here - behind).collect();
-        metric.normalise(&mut chord);
-        // Whoever turned the tangent round wants to go back.
-        let ahead = metric.product(&chord, &here.tangent) > 0.0 || self.rough;
-        (ahead && chord.iter().all(|entry| entry.is_finite())).then_some(chord)
     }
 
     /// Predictor and corrector; the place and how many corrections it took.
@@ -529,7 +436,8 @@ impl<'c> Tracer<'c> {
     }
 
     /// Newton's method from a guess, on the plane through it across `border`, no step of it longer than `farthest`; the
-    /// place and how many corrections it took.
+    /// place and how many corrections it took until they were short. Those after that are of rounding, which near a narrow
+    /// resonance leaves a larger residual than elsewhere, and say nothing about the length of the step.
     pub(crate) fn correct(
         &mut self,
         guess: &[f64],
@@ -539,8 +447,12 @@ impl<'c> Tracer<'c> {
     ) -> Option<(Place, usize)> {
         let mut here = guess.to_vec();
         let mut last_step = f64::INFINITY;
+        let mut needed = None;
         let tolerance = self.course.plan().criteria().tolerance;
         for correction in 1..=CORRECTIONS {
+            if last_step <= SHORT_STEP {
+                needed = needed.or(Some(correction));
+            }
             let (parameter, unknowns) = here.split_last()?;
             self.corrections += 1;
             let residual = self.evaluate(unknowns, *parameter)?;
@@ -548,8 +460,7 @@ impl<'c> Tracer<'c> {
                 return None;
             }
             let settled = residual <= FLOOR && last_step <= ROUNDING;
-            let short = last_step <= SHORT_STEP;
-            if settled || (short && (residual <= tolerance || residual <= self.rounding(*parameter))) {
+            if settled || (residual <= tolerance && last_step <= SHORT_STEP) {
                 let mut place = Place {
                     unknowns: unknowns.to_vec(),
                     parameter: *parameter,
@@ -559,7 +470,7 @@ impl<'c> Tracer<'c> {
                 place.tangent = self.solve(None, 1.0);
                 // The new place measures with its own metric.
                 Metric::at(&place, self.least).normalise(&mut place.tangent);
-                return Some((place, correction));
+                return Some((place, needed.unwrap_or(correction)));
             }
             let upper = self.real(&self.ws.balance[self.ws.goal].residual);
             let off: f64 = border.iter().zip(here.iter().zip(guess)).map(|(b, (x, g))| b * (x - g)).sum();

@@ -237,15 +237,11 @@ fn enough(newton: &NewtonBuffers, done: bool, lambda: f64) -> f64 {
 fn floor(task: &Task, unknowns: &[c64], buffers: &BalanceBuffers, reference: f64) -> f64 {
     let Task { balance, point, slots, homotopy, .. } = task;
     if reference > 0.0 {
-        rounded(balance.terms(point, *slots, *homotopy, unknowns, buffers) / reference).max(FLOOR)
+        let rounding = ROUNDING * balance.terms(point, *slots, *homotopy, unknowns, buffers) / reference;
+        rounding.clamp(FLOOR, ROUNDED)
     } else {
         FLOOR
     }
-}
-
-/// The relative residual that rounding leaves of terms as large as `terms`, relative to the excitation.
-pub(crate) fn rounded(terms: f64) -> f64 {
-    (ROUNDING * terms).min(ROUNDED)
 }
 
 /// Writes the Newton step from `unknowns` into `steps`; `false` when there is none.

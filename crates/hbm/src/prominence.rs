@@ -1,4 +1,4 @@
-//! Which maxima of a curve stand above its noise.
+//! Which maxima and folds of a curve stand above its noise.
 //!
 //! The prominence of a maximum is its height above the higher of the two lowest places that lie between it and the next higher
 //! ground to either side, or the end of the curve. A balance that is solved to a tolerance, and forces that are known at M instants
@@ -22,6 +22,24 @@ impl Plan {
             }
             _ => NOISE,
         }
+    }
+}
+
+/// What sampled forces do to a resonance's height they do to its frequency by less than this part.
+const SIDEWAYS: f64 = 0.01;
+
+/// Strikes out the folds of a curve with sampled forces that turn back by no more than the noise: its maxima of the parameter and
+/// of its negative.
+pub(crate) fn keep_wide(points: &mut [CurvePoint], plan: &Plan) {
+    if !plan.has_samples() {
+        return;
+    }
+    let noise = SIDEWAYS * plan.noise();
+    let forth: Vec<f64> = points.iter().map(|point| point.parameter).collect();
+    let back: Vec<f64> = forth.iter().map(|parameter| -parameter).collect();
+    for (at, point) in points.iter_mut().enumerate().filter(|(_, point)| point.fold) {
+        let turned = prominence(&forth, at).max(prominence(&back, at));
+        point.fold = turned > noise * point.parameter.abs();
     }
 }
 
