@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use contact::{Cubic, CubicParameters, Gap, GapParameters};
-use contact::{ElasticCoulomb, ElasticCoulombParameters, FrictionContact, FrictionContactParameters};
+use contact::{ElasticCoulomb, ElasticCoulombParameters, FrictionContactParameters};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, mat};
 use num_complex::Complex64;
-use orbit::{EventKind, Joint, Orbit, OrbitError, Settings, System, find};
+use orbit::{EventKind, Orbit, OrbitError, Settings, System, find};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use stickslip_tests::joint_models::{instant, one_mass, preloaded, root, with_gap};

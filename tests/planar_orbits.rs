@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use orbit::{EventKind, Joint, Load, Orbit, OrbitError, Settings, System, find};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use stickslip_tests::joint_models::{JOINT, one_mass, planar, preloaded, with_gap};
+use stickslip_tests::joint_models::{JOINT, balanced, one_mass, planar, preloaded, with_gap};
 use stickslip_tests::orbit_models::{contact, load, orbit};
 use stickslip_tests::planar_truth::{Period, Planar};
 
@@ -374,7 +374,7 @@ fn random_joints_are_followed() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let mut between = |low: f64, high: f64| low * (high / low).powf(random.random::<f64>());
     let (mut found, mut stuck, mut lost) = (0, 0, Vec::new());
-    for scene in 0..50 {
+    for scene in 0..30 {
         let parameters = FrictionContactParameters {
             tangential_stiffness: between(1e4, 1e7),
             normal_stiffness: between(1e5, 1e8),
@@ -397,5 +397,92 @@ fn random_joints_are_followed() {
         }
     }
     println!("{found} found, {stuck} stuck, {lost:#?}");
-    assert!(found > 30 && lost.is_empty(), "{found} found, {stuck} stuck, {lost:#?}");
+    assert!(found > 18 && lost.is_empty(), "{found} found, {stuck} stuck, {lost:#?}");
+}
+
+/// Motion followed in time comes to its end as the largest multipliers say: its distances x from there, period by period, obey
+/// `x_{k+2} = (μ₁ + μ₂) x_{k+1} − μ₁ μ₂ x_k` once the others have died out.
+#[test]
+fn disturbances_decay_as_the_multipliers_say() {
+    for (preload, hertz) in [(18.0, 60.0), (5.0, 70.0)] {
+        let parameters = preloaded(preload);
+        let mut system = planar(parameters);
+        system.damping = mat![[30.0, 0.0, 0.0], [0.0, 120.0, 0.0], [0.0, 0.0, 250.0]];
+        let orbit = orbit(&system, hertz);
+        let multipliers = orbit.multipliers().unwrap();
+        println!("{preload} N: {multipliers:?}");
+        let mut truth = Planar::new(&system, &parameters, hertz);
+        // Every second period.
+        let periods: Vec<Vec<f64>> =
+            (0..60).map(|_| truth.periodic(256, 0.0, 2).displacement.concat()).collect();
+        let end = periods.last().unwrap();
+        let apart: Vec<Vec<f64>> =
+            periods.iter().map(|row| row.iter().zip(end).map(|(a, b)| a - b).collect()).collect();
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let size = dot(end, end).sqrt();
+        let small = apart.iter().position(|x| dot(x, x).sqrt() < 1e-6 * size).unwrap();
+        let [a, b, c] = [0, 1, 2].map(|j| &apart[small + j][..]);
+        // Least squares for c = sum · b − product · a.
+        let (aa, ab, bb, ac, bc) = (dot(a, a), dot(a, b), dot(b, b), dot(a, c), dot(b, c));
+        let determinant = aa * bb - ab * ab;
+        let (sum, product) = ((aa * bc - ab * ac) / determinant, -(bb * ac - ab * bc) / determinant);
+        let expected = [0, 1].map(|j| multipliers[j] * multipliers[j]);
+        println!(
+            "{preload} N: {sum} {product}, expected {} {}",
+            expected[0] + expected[1],
+            expected[0] * expected[1]
+        );
+        assert!((sum - (expected[0] + expected[1]).re).abs() < 1e-6, "{preload} N");
+        assert!((product - (expected[0] * expected[1]).re).abs() < 1e-6, "{preload} N");
+    }
+}
+
+/// A contact that sticks beside a slider that slips, with loads that have a mean: in a line or in a plane.
+fn stuck_beside_slip(preload: f64, tangential: usize) -> System {
+    let (mut system, _) = mixture(preload);
+    system.contacts.truncate(1);
+    system.joints.truncate(1);
+    let joint = &mut system.joints[0];
+    joint.law = Arc::new(FrictionContact::new(preloaded(preload), tangential).unwrap());
+    if tangential == 1 {
+        joint.directions.remove(1);
+    }
+    system.loads[3].amplitude *= 3.0;
+    system.loads.extend([load(0, 0, 4.0), load(1, 0, -3.0), load(0, 2, 5.0)]);
+    system
+}
+
+/// Of all places that repeat themselves the slider takes the one that the balance takes: its mean where that is within reach at every
+/// instant, so that there is no mean friction, else the nearest to it. In a plane the balance knows the reach at its samples alone.
+#[test]
+fn a_contact_that_sticks_rests_where_the_balance_says() {
+    for (tangential, preloads) in [(1, [150.0, 74.0, 66.0]), (2, [150.0, 134.0, 126.0])] {
+        let mut at_edge = 0;
+        for preload in preloads {
+            let system = stuck_beside_slip(preload, tangential);
+            let orbit = orbit(&system, 60.0);
+            assert_eq!(orbit.locked_sliders(), [(1, 0)], "{preload} N");
+            assert_eq!(orbit.joint_dissipation(0), 0.0);
+            let friction =
+                [0, 1].map(|d| if d < tangential { orbit.joint_force_spectrum(0, d, 0)[0].re } else { 0.0 });
+            let problem = balanced(&system);
+            let errors = [1 << 10, 1 << 13].map(|samples| {
+                let settings = hbm::Settings { samples: Some(samples), ..hbm::Settings::new(31) };
+                let plan = hbm::Plan::new(&problem, &settings).unwrap();
+                let solution = plan.solve(60.0, &mut plan.workspace());
+                let directions = &solution.joints[0].directions;
+                let other = [0, 1].map(|d| if d < tangential { directions[d].force[0].re } else { 0.0 });
+                length([0, 1].map(|d| friction[d] - other[d]))
+            });
+            println!("{tangential}, {preload} N: {friction:?}, {errors:?}");
+            assert!(errors[1] < 1e-5 + 2e-4 * length(friction), "{preload} N: {errors:?}");
+            if length(friction) > 1e-3 {
+                at_edge += 1;
+                assert!(tangential == 1 || errors[1] < 0.5 * errors[0], "{preload} N: {errors:?}");
+            } else {
+                assert!(length(friction) < 1e-11 && errors[1] < 1e-11, "{preload} N: {friction:?}");
+            }
+        }
+        assert!(at_edge == 1 || at_edge == 2, "{tangential}: {at_edge}");
+    }
 }

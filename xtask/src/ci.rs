@@ -7,7 +7,7 @@ use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{deny, dist, equations, iwan, loop_family, msrv, package, python, reference_loop, report_page};
+use crate::{deny, equations, iwan, loop_family, msrv, package, python, reference_loop, report_page};
 
 /// Commands of cargo before documentation and tests.
 const CHECKS: [&str; 3] = [
@@ -19,6 +19,9 @@ const CHECKS: [&str; 3] = [
 /// The README's commands.
 const TESTS: &str = "test --workspace";
 const EXAMPLE: &str = "run --release -- sweep scenes/hoffmann-2017.json";
+
+/// What goes into a release, around the program of the example.
+const DIST: &str = "run --release -p xtask -- dist --quick";
 
 /// The paper's scenes, figures and numbers once more, in release: the libraries are built for the example already.
 const FIGURES: &str = "run --release -p xtask -- figures --check";
@@ -50,8 +53,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     steps.cargo(root, TESTS, Stdio::inherit())?;
     example(root, &mut steps)?;
     steps.take("cargo xtask report-page --test", || report_page::test(root))?;
-    steps.take("cargo xtask dist --quick", || dist::run(root, &["--quick"]))?;
-    for arguments in [FIGURES, ERRORS, EXTREME, INSTRUCTIONS] {
+    for arguments in [DIST, FIGURES, ERRORS, EXTREME, INSTRUCTIONS] {
         steps.cargo(root, arguments, Stdio::inherit())?;
     }
     steps.take("cargo xtask python", || python::run(root, false))?;

@@ -13,7 +13,7 @@ use std::process::{Command, Output};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::packages::{Packages, cargo};
-use crate::python;
+use crate::{python, report_page};
 
 /// Files of the repository that are part of it.
 const FILES: [&str; 5] = ["README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE-MIT", "LICENSE-APACHE"];
@@ -49,7 +49,8 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<()> {
     }
     fs::create_dir_all(&tree)?;
 
-    // A bundled page of the report has to be made here, before the program that holds it is built.
+    // The page of `stickslip report` is part of the program; it has the licences of what it is bundled from in it.
+    report_page::bundle(root, profile == "dist")?;
     build(root, profile)?;
     let suffix = std::env::consts::EXE_SUFFIX;
     let program = tree.join(format!("stickslip{suffix}"));

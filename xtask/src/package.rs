@@ -7,6 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::packages::{Package, Packages, cargo};
+use crate::report_page;
 
 /// What every crate says about itself, and the licences it carries.
 const LICENCES: [&str; 2] = ["LICENSE-MIT", "LICENSE-APACHE"];
@@ -21,6 +22,10 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<()> {
         ["--verify"] => true,
         _ => bail!("usage: cargo xtask package [--verify]"),
     };
+    if verify {
+        // For a release; without it the command `report` of the published program refuses.
+        report_page::bundle(root, true)?;
+    }
     let packages = Packages::read(root, None)?;
     let published: Vec<&Package> = packages.ours().filter(|package| package.is_published()).collect();
     let mut command = Command::new(cargo());

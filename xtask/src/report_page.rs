@@ -7,6 +7,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::packages::cargo;
+
 /// The oldest Node.js that will do.
 const NODE: u32 = 20;
 
@@ -33,7 +35,7 @@ pub(crate) fn bundle(root: &Path, required: bool) -> Result<bool> {
     }
 }
 
-/// Tests the page in a browser, with the reports of the release build.
+/// Tests the page in a browser, with the reports of the release build, or of the program that `STICKSLIP` names.
 ///
 /// # Errors
 /// What failed.
@@ -45,15 +47,14 @@ pub(crate) fn test(root: &Path) -> Result<()> {
         eprintln!("skipped: there is no Chromium, and it cannot be installed here");
         return Ok(());
     };
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let built =
-        Command::new(cargo).args(["build", "--release", "-p", "stickslip"]).current_dir(root).status()?;
-    ensure!(built.success(), "stickslip cannot be built");
-    let program = format!("stickslip{}", env::consts::EXE_SUFFIX);
+    let program = match env::var_os("STICKSLIP") {
+        Some(program) => std::path::absolute(program)?,
+        None => built(root)?,
+    };
     let status = Command::new(NPM)
         .args(["run", "--silent", "test"])
         .current_dir(page(root))
-        .env("STICKSLIP", target(root).join("release").join(program))
+        .env("STICKSLIP", program)
         .env("CHROMIUM", browser)
         .status()
         .context("npm")?;
@@ -61,14 +62,20 @@ pub(crate) fn test(root: &Path) -> Result<()> {
     Ok(())
 }
 
+/// The release build.
+fn built(root: &Path) -> Result<PathBuf> {
+    let status =
+        Command::new(cargo()).args(["build", "--release", "-p", "stickslip"]).current_dir(root).status()?;
+    ensure!(status.success(), "stickslip cannot be built");
+    let target =
+        env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |folder| root.join(folder));
+    Ok(target.join("release").join(format!("stickslip{}", env::consts::EXE_SUFFIX)))
+}
+
 const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
 
 fn page(root: &Path) -> PathBuf {
     root.join("crates").join("report").join("page")
-}
-
-fn target(root: &Path) -> PathBuf {
-    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |folder| root.join(folder))
 }
 
 /// Installs the packages of the lock file, unless they are there; says what is missing.

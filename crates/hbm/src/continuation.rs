@@ -19,7 +19,7 @@ use crate::error::PlanError;
 use crate::newton::FLOOR;
 use crate::plan::Plan;
 use crate::problem::Problem;
-use crate::prominence::keep_prominent;
+use crate::prominence::{keep_prominent, keep_wide};
 use crate::settings::Settings;
 use crate::solution::{Solution, Status};
 use crate::workspace::Workspace;
@@ -111,7 +111,7 @@ const PEAK: f64 = 1e-3;
 const SHORT_STEP: f64 = 1e-5;
 
 /// Where corrections are as small as this, rounding allows no smaller residual than there is.
-const ROUNDING: f64 = 1e-11;
+const ROUNDING: f64 = 1e-9;
 
 /// A dimensionless displacement below this is rest.
 const AT_REST: f64 = 1e-9;
@@ -191,6 +191,8 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
     // Amplitudes at the two places before, and the step between them.
     let mut rising: Option<(Vec<f64>, f64)> = None;
     let mut here = tracer.amplitudes(&place);
+    // Index of the point at `place`.
+    let mut latest = 0;
     curve.end = loop {
         if curve.points.len() >= options.most_points {
             break CurveEnd::TooLong;
@@ -221,10 +223,14 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
         }
         if let Some((before, step)) = &rising {
             for dof in (0..here.len()).filter(|&o| before[o] < here[o] && here[o] >= ahead[o]) {
-                if let Some((peak, at)) = tracer.peak(&place, (-step, length), dof)
-                    && inside(&peak)
-                {
-                    curve.points.push(CurvePoint { peaks: vec![dof], ..tracer.point(&peak, arclength + at) });
+                match tracer.peak(&place, (-step, length), dof) {
+                    Some((peak, at)) if inside(&peak) => {
+                        let point = tracer.point(&peak, arclength + at);
+                        curve.points.push(CurvePoint { peaks: vec![dof], ..point });
+                    }
+                    Some(_) => {}
+                    // What keeps it from being closed in is small: the highest place of the steps.
+                    None => curve.points.get_mut(latest).into_iter().for_each(|p| p.peaks.push(dof)),
                 }
             }
         }
@@ -237,12 +243,14 @@ fn follow(course: &mut dyn Course, from: f64, to: f64, options: &ContinuationOpt
             break reason;
         }
         arclength += length;
+        latest = curve.points.len();
         curve.points.push(tracer.point(&next, arclength));
         rising = Some((here, length));
         (place, here) = (next, ahead);
     };
     curve.points.sort_by(|a, b| a.arclength.total_cmp(&b.arclength));
     keep_prominent(&mut curve.points, course.plan());
+    keep_wide(&mut curve.points, course.plan());
     curve
 }
 
@@ -428,7 +436,8 @@ impl<'c> Tracer<'c> {
     }
 
     /// Newton's method from a guess, on the plane through it across `border`, no step of it longer than `farthest`; the
-    /// place and how many corrections it took.
+    /// place and how many corrections it took until they were short. Those after that are of rounding, which near a narrow
+    /// resonance leaves a larger residual than elsewhere, and say nothing about the length of the step.
     pub(crate) fn correct(
         &mut self,
         guess: &[f64],
@@ -438,8 +447,12 @@ impl<'c> Tracer<'c> {
     ) -> Option<(Place, usize)> {
         let mut here = guess.to_vec();
         let mut last_step = f64::INFINITY;
+        let mut needed = None;
         let tolerance = self.course.plan().criteria().tolerance;
         for correction in 1..=CORRECTIONS {
+            if last_step <= SHORT_STEP {
+                needed = needed.or(Some(correction));
+            }
             let (parameter, unknowns) = here.split_last()?;
             self.corrections += 1;
             let residual = self.evaluate(unknowns, *parameter)?;
@@ -457,7 +470,7 @@ impl<'c> Tracer<'c> {
                 place.tangent = self.solve(None, 1.0);
                 // The new place measures with its own metric.
                 Metric::at(&place, self.least).normalise(&mut place.tangent);
-                return Some((place, correction));
+                return Some((place, needed.unwrap_or(correction)));
             }
             let upper = self.real(&self.ws.balance[self.ws.goal].residual);
             let off: f64 = border.iter().zip(here.iter().zip(guess)).map(|(b, (x, g))| b * (x - g)).sum();

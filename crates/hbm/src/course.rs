@@ -150,6 +150,9 @@ pub(crate) fn whole(settings: &Settings) -> Settings {
     }
 }
 
+/// So many times the stiffness of a sliding contact is that of one at rest: its modes are then known to about 1e-6.
+const RIGID: f64 = 1e6;
+
 /// Where kΩ meets a natural frequency of the structure without contacts or with its contacts stuck, for the excited and
 /// the first harmonics, with a width that a curve must not jump over.
 fn resonances(problem: &Problem, orders: &[usize]) -> Vec<(f64, f64)> {
@@ -157,8 +160,18 @@ fn resonances(problem: &Problem, orders: &[usize]) -> Vec<(f64, f64)> {
     for (hertz, width) in problem.model.modes_with(&stuck_springs(problem, false)) {
         found.push((hertz, width));
     }
-    for (hertz, width) in problem.model.modes_with(&stuck_springs(problem, true)) {
+    let stuck = stuck_springs(problem, true);
+    for (hertz, width) in problem.model.modes_with(&stuck) {
         found.push((hertz, width));
+    }
+    // Held at rest by a set-valued law: as good as rigid.
+    if problem.contacts.iter().any(|contact| contact.law.holding_force() > 0.0) {
+        let holds = |row: usize| problem.contacts.get(row).is_some_and(|c| c.law.holding_force() > 0.0);
+        let rigid = |(row, (parts, stiffness)): (usize, (Vec<(usize, f64)>, f64))| {
+            (parts, if holds(row) { RIGID * stiffness } else { stiffness })
+        };
+        let rigid: Vec<_> = stuck.into_iter().enumerate().map(rigid).collect();
+        found.extend(problem.model.modes_with(&rigid));
     }
     let excited = problem.excitation.iter().filter(|e| e.amplitude != 0.0 && e.harmonic > 0);
     let mut harmonics: Vec<usize> = excited.map(|e| e.harmonic).collect();

@@ -50,6 +50,7 @@ mod peak;
 mod peak_branch;
 mod peak_follow;
 mod peak_optimum;
+mod peak_rest;
 mod peak_search;
 mod peak_survey;
 mod pieces;

@@ -110,6 +110,8 @@ pub enum PeakEnd {
 pub struct PeakEffort {
     /// Responses surveyed.
     pub surveys: usize,
+    /// Those of them whose curve has more places than are followed: it was given up there, and points solved one by one had to do.
+    pub cut: usize,
     /// Newton steps in surveys.
     pub survey_steps: usize,
     /// Peaks sought between surveys.

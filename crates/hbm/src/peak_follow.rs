@@ -106,6 +106,7 @@ impl<'a> Follower<'a> {
         let optimum = if self.going() { self.optimum(&branches, &grid, &points)? } else { None };
         let mut effort = PeakEffort {
             surveys: surveys.iter().flatten().count(),
+            cut: surveys.iter().flatten().filter(|survey| survey.cut).count(),
             survey_steps: surveys.iter().flatten().map(|survey| survey.corrections).sum(),
             searches: self.searches.load(Ordering::Relaxed),
             search_steps: self.corrections.load(Ordering::Relaxed),
@@ -334,7 +335,9 @@ const HIGHER: f64 = 1e-6;
 fn judge(survey: &Survey, peaks: &[Peak]) -> PeakStatus {
     let highest = peaks.first().map_or(0.0, |peak| peak.amplitude);
     let other = survey.summits.first().filter(|s| s.amplitude > highest * (1.0 + HIGHER));
-    match (other, survey.higher, survey.edge) {
+    // A peak that was followed here from elsewhere may be higher than what the survey found.
+    let above = |point: &(f64, f64)| point.1 > highest * (1.0 + HIGHER);
+    match (other, survey.higher.filter(above), survey.edge.filter(above)) {
         (Some(summit), ..) => PeakStatus::Incomplete(summit.hertz(), summit.amplitude),
         (None, Some((hertz, height)), _) => PeakStatus::Incomplete(hertz, height),
         (None, None, Some((hertz, height))) => PeakStatus::HigherAtEnd(hertz, height),

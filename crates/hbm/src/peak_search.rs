@@ -49,6 +49,15 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
+    /// Of a response with contacts at rest, which has no curve.
+    pub(crate) fn at_rest(hertz: f64) -> Self {
+        Self { hertz, motion: Vec::new(), tangent: (Vec::new(), 0.0), curvature: 0.0 }
+    }
+
+    fn rests(&self) -> bool {
+        self.motion.is_empty()
+    }
+
     /// The pose a part of the way from one to another, or beyond; with the direction of the first.
     pub(crate) fn between(&self, other: &Self, part: f64) -> Self {
         if self.motion.len() != other.motion.len() {
@@ -101,6 +110,9 @@ impl Search<'_> {
         let mut course = FrequencyCourse::nearby(problem, self.settings)?;
         let plan = &course.plan;
         let mut ws = plan.workspace();
+        if guess.rests() {
+            return Ok(self.at_rest(guess.hertz, plan, &mut ws));
+        }
         if !plan.begin(guess.hertz, &mut ws) || guess.motion.len() != plan.slots() * ws.point.width() {
             return Ok((None, 0));
         }

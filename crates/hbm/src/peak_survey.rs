@@ -18,6 +18,8 @@ pub(crate) struct Survey {
     pub(crate) higher: Option<(f64, f64)>,
     /// The response is higher than its peaks at this end of the range (Hz, m).
     pub(crate) edge: Option<(f64, f64)>,
+    /// A curve had more places than are followed.
+    pub(crate) cut: bool,
     /// Points without a solution.
     pub(crate) unsolved: usize,
     /// Newton steps.
@@ -37,7 +39,7 @@ const HIGHER: f64 = 1e-6;
 const FIRST_STEP: f64 = 0.01;
 
 /// Places of one curve at most.
-const MOST_PLACES: usize = 20_000;
+const MOST_PLACES: usize = 4_000;
 
 impl Search<'_> {
     /// The peaks of the response of `problem`; `going` answers `false` when it is to be given up, which leaves `None`.
@@ -60,8 +62,9 @@ impl Search<'_> {
         let mut tracer = Tracer::new(&mut course, &mut ws, self.range, &options);
         let mut survey = Survey::default();
         for (from, to) in [(low, high), (high, low)] {
-            survey.traced = self.trace(from, to, &mut tracer, &mut survey.summits, going);
-            if survey.traced || !going() {
+            survey.traced = self.trace(from, to, &mut tracer, &mut survey, going);
+            // The other end would lead into the same.
+            if survey.traced || survey.cut || !going() {
                 break;
             }
         }
@@ -88,7 +91,7 @@ impl Search<'_> {
         from: f64,
         to: f64,
         tracer: &mut Tracer,
-        summits: &mut Vec<Summit>,
+        survey: &mut Survey,
         going: &dyn Fn() -> bool,
     ) -> bool {
         let (Some(mut here), _) = tracer.start(from) else { return false };
@@ -105,7 +108,7 @@ impl Search<'_> {
                 && ahead <= 0.0
                 && let Some(summit) = tracer.enclosed(&here, (growth, ahead), length, self)
             {
-                add(summits, summit);
+                add(&mut survey.summits, summit);
             }
             let beyond = |end: f64, sign: f64| (next.parameter - end) * sign * (to - from).signum() >= 0.0;
             if beyond(to, 1.0) || beyond(from, -1.0) {
@@ -113,6 +116,7 @@ impl Search<'_> {
             }
             (here, growth) = (next, ahead);
         }
+        survey.cut = true;
         false
     }
 
@@ -137,9 +141,16 @@ impl Search<'_> {
             if !rises || !survey.is_exceeded(height) {
                 continue;
             }
-            if let (Some(place), _) = tracer.start(hertz)
-                && let Some(summit) = tracer.climb(place, self, None, f64::INFINITY)
-            {
+            let found = match tracer.start(hertz) {
+                (Some(place), _) => tracer.climb(place, self, None, f64::INFINITY),
+                (None, solution) if solution.status.solved() => {
+                    let (summit, steps) = self.at_rest(hertz, tracer.course.plan(), tracer.ws);
+                    tracer.corrections += steps;
+                    summit
+                }
+                _ => None,
+            };
+            if let Some(summit) = found {
                 add(&mut survey.summits, summit);
             }
             if survey.is_exceeded(height) {

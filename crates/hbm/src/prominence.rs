@@ -1,4 +1,4 @@
-//! Which maxima of a curve stand above its noise.
+//! Which maxima and folds of a curve stand above its noise.
 //!
 //! The prominence of a maximum is its height above the higher of the two lowest places that lie between it and the next higher
 //! ground to either side, or the end of the curve. A balance that is solved to a tolerance, and forces that are known at M instants
@@ -9,16 +9,37 @@ use std::f64::consts::TAU;
 use crate::continuation::CurvePoint;
 use crate::plan::Plan;
 
-/// Least prominence, relative to the height: correctors leave less than this of a point's error.
+/// Least prominence, relative to the height: the error that correctors leave is below it.
 const NOISE: f64 = 1e-6;
 
 impl Plan {
-    /// Least prominence of a maximum, relative to its height. Trapezoidal sums of forces with kinks err by up to (2π/M)².
+    /// Least prominence of a maximum, relative to its height. Trapezoidal sums of forces with kinks err by up to (2π/M)², and a
+    /// resonance answers with a few times that.
     fn noise(&self) -> f64 {
         match self.rungs.get(self.top) {
-            Some(rung) if self.has_samples() => (TAU / rung.transform.samples() as f64).powi(2).max(NOISE),
+            Some(rung) if self.has_samples() => {
+                (2.0 * TAU / rung.transform.samples() as f64).powi(2).max(NOISE)
+            }
             _ => NOISE,
         }
+    }
+}
+
+/// What sampled forces do to a resonance's height they do to its frequency by less than this part.
+const SIDEWAYS: f64 = 0.01;
+
+/// Strikes out the folds of a curve with sampled forces that turn back by no more than the noise: its maxima of the parameter and
+/// of its negative.
+pub(crate) fn keep_wide(points: &mut [CurvePoint], plan: &Plan) {
+    if !plan.has_samples() {
+        return;
+    }
+    let noise = SIDEWAYS * plan.noise();
+    let forth: Vec<f64> = points.iter().map(|point| point.parameter).collect();
+    let back: Vec<f64> = forth.iter().map(|parameter| -parameter).collect();
+    for (at, point) in points.iter_mut().enumerate().filter(|(_, point)| point.fold) {
+        let turned = prominence(&forth, at).max(prominence(&back, at));
+        point.fold = turned > noise * point.parameter.abs();
     }
 }
 

@@ -106,6 +106,15 @@ pub enum OrbitError {
          replace the sliders by springs"
     )]
     Stuck,
+    /// The place of a slider that never slips was not found.
+    #[error(
+        "contact {contact} (the first is 0, joints counted on) sticks all period while others slip, and the place nearest to the mean \
+         where it may rest was not found"
+    )]
+    Resting {
+        /// Its number, joints counted on after the contacts.
+        contact: usize,
+    },
     /// Newton's method on the period map did not get close enough.
     #[error(
         "the orbit does not close: after {periods} periods and {iterations} steps of Newton's method the two ends of a \

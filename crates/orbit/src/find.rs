@@ -6,6 +6,7 @@ use crate::error::OrbitError;
 use crate::orbit::Orbit;
 use crate::path::{Element, PhaseEvent};
 use crate::piecewise::Piecewise;
+use crate::resting::settle;
 use crate::scaled::Scaled;
 use crate::settings::{Event, Settings};
 use crate::shooting::{Map, Passage, close, distance};
@@ -30,6 +31,7 @@ pub fn find(system: &System, frequency: f64, settings: &Settings) -> Result<Orbi
     } else {
         let mut map = Piecewise::new(&system);
         let closed = close(&mut map, start, (odd, true), settings)?;
+        let closed = settle(&mut map, closed, settings.closure)?;
         let record = map.record(&closed.state, TAU)?;
         let weights = weights(&map, record.2);
         (closed, record, weights)

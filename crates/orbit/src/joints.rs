@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use crate::links::Press;
-use crate::orbit::{Orbit, dissipation};
+use crate::orbit::{Orbit, slider_work};
 use crate::path::force;
 use crate::polynomial::value;
 use crate::spectrum::force_coefficients;
@@ -43,11 +43,15 @@ impl Orbit {
         self.system.force() * balanced - self.joint_force(joint, last, t)
     }
 
-    /// Energy in J that all directions of a joint dissipate in a period.
+    /// Energy in J that a joint dissipates in a period: the work of friction on its slider, exactly zero where that never moves.
     pub fn joint_dissipation(&self, joint: usize) -> f64 {
-        let links = self.system.directions.get(joint).cloned().unwrap_or_default();
-        let sum: f64 = links.map(|link| dissipation(&self.system, &self.path, link)).sum();
-        sum * self.system.force() * self.system.size
+        let Some(directions) = self.system.directions.get(joint) else { return 0.0 };
+        let own = |press: &&Press| directions.contains(&press.normal);
+        let friction = self.system.presses.iter().find(own).and_then(|press| press.friction);
+        let work = friction.iter().flat_map(|friction| {
+            friction.links().map(|link| slider_work(&self.system, &self.path, link, friction.stiffness))
+        });
+        work.sum::<f64>() * self.system.force() * self.system.size
     }
 
     fn joint_link(&self, joint: usize, direction: usize) -> Option<usize> {

@@ -33,6 +33,8 @@ mod piecewise;
 mod polynomial;
 mod press;
 mod quadrature;
+mod reachable;
+mod resting;
 mod scaled;
 mod settings;
 mod shooting;

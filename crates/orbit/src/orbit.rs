@@ -2,11 +2,11 @@
 
 use num_complex::Complex64;
 
-use crate::path::{Along, Path, Piece, force, relative_velocity};
+use crate::path::{Along, Path, Piece, force, force_rate, relative_velocity};
 use crate::polynomial::{derivative, sign_changes, value};
 use crate::quadrature::gauss_legendre;
 use crate::scaled::{Scaled, add_product};
-use crate::settings::{Event, State};
+use crate::settings::{Event, EventKind, State};
 use crate::spectrum::{NODES, displacement_coefficients, force_coefficients};
 
 /// An exact periodic orbit.
@@ -61,8 +61,7 @@ impl Orbit {
     }
 
     /// (contact, slider) of every slider that never slips. Its rest position, and with it the mean, is not determined
-    /// by periodicity: it is the one of the symmetric orbit where loads and laws are odd, else what it has come to on
-    /// the way from the start.
+    /// by periodicity: it is the place nearest to the mean displacement at which it does not slip, as of the contact laws.
     pub fn locked_sliders(&self) -> Vec<(usize, usize)> {
         let contacts = self.system.links.iter().enumerate();
         let sliders = contacts.flat_map(|(c, link)| (0..link.sliders.len()).map(move |slider| (c, slider)));
@@ -144,8 +143,13 @@ impl Orbit {
         (self.length(dof) * low, self.length(dof) * high)
     }
 
-    /// Energy in J that a contact dissipates in a period.
+    /// Energy in J that a contact dissipates in a period; exactly zero where no slider of it moves.
     pub fn dissipation(&self, contact: usize) -> f64 {
+        let smooth = self.system.links.get(contact).is_some_and(|link| link.smooth.is_some());
+        let slips = self.events.iter().any(|event| event.contact == contact && event.kind == EventKind::Slip);
+        if !smooth && !slips {
+            return 0.0;
+        }
         dissipation(&self.system, &self.path, contact) * self.system.force() * self.system.size
     }
 
@@ -193,6 +197,18 @@ pub(crate) fn dissipation(system: &Scaled, path: &Path, contact: usize) -> f64 {
     integrate(path, |piece| {
         let (force, rate) = (force(system, piece, contact), relative_velocity(system, piece, contact));
         Box::new(move |s| force(s) * rate(s))
+    })
+}
+
+/// `∮ φ ds` of a slider at s = u − φ/k_t: stretches on which it sticks count for nothing.
+pub(crate) fn slider_work(system: &Scaled, path: &Path, link: usize, stiffness: f64) -> f64 {
+    integrate(path, |piece| {
+        if piece.elastic.get(link).is_some_and(|elastic| elastic.stiffness > 0.0) {
+            return Box::new(|_| 0.0);
+        }
+        let (force, rate) = (force(system, piece, link), force_rate(system, piece, link));
+        let body = relative_velocity(system, piece, link);
+        Box::new(move |s| force(s) * (body(s) - rate(s) / stiffness))
     })
 }
 

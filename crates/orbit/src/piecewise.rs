@@ -27,6 +27,10 @@ impl<'a> Piecewise<'a> {
         Self { flow: Flow::new(system), tangents: Tangents::default() }
     }
 
+    pub(crate) fn system(&self) -> &'a Scaled {
+        self.flow.system
+    }
+
     /// A passage with its record; returns the end state.
     pub(crate) fn record(
         &mut self,

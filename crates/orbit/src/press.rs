@@ -204,7 +204,8 @@ pub(crate) fn unit(x: [f64; 2]) -> [f64; 2] {
     if length > 0.0 { x.map(|x| x / length) } else { [1.0, 0.0] }
 }
 
-fn square(c: &Polynomial) -> Polynomial {
+/// c²; exact to rounding where the series falls fast enough.
+pub(crate) fn square(c: &Polynomial) -> Polynomial {
     std::array::from_fn(|n| {
         let pairs = c.iter().take(n + 1).zip(c.iter().take(n + 1).rev());
         pairs.map(|(a, b)| a * b).sum()

@@ -8,7 +8,7 @@ pub struct State {
     /// In m/s, one a dof.
     pub velocity: Vec<f64>,
     /// Spring force in N of every slider (times the contact's scale), contact by contact in the order of their
-    /// mechanisms, then of every joint; in rig convention.
+    /// mechanisms, then of every joint, one a tangential direction; in rig convention.
     pub sliders: Vec<f64>,
 }
 
@@ -58,6 +58,6 @@ pub struct Event {
     pub slider: usize,
     /// What begins.
     pub kind: EventKind,
-    /// Direction of the slip that begins or ends: +1 or −1; 0 for contacts that open or close.
+    /// Direction of the slip that begins or ends: +1 or −1; 0 in two tangential directions, and for contacts that open or close.
     pub direction: i8,
 }

@@ -121,6 +121,12 @@ pub(crate) fn close(
     }
 }
 
+/// Closes a motion that begins near an orbit already known.
+pub(crate) fn again(map: &mut dyn Map, state: &[f64], known: &Closed, closure: f64) -> Option<Closed> {
+    let (state, _, steps) = newton(map, state, FULL, closure);
+    Some(Closed { state: state?, iterations: known.iterations + steps, periods: known.periods })
+}
+
 /// How many periods, more than one, bring the motion back to `state`, and how close.
 fn repeats_after(map: &mut dyn Map, state: &[f64]) -> Result<Option<(usize, f64)>, OrbitError> {
     let (mut from, mut end, mut weights) = (state.to_vec(), Vec::new(), Vec::new());

@@ -227,30 +227,25 @@ impl Scene {
     }
 
     /// The highest peak over an entry, as JSON.
-    #[pyo3(signature = (vary, begin, end, log, points, dof, harmonics, threads=None, progress=None))]
-    #[allow(clippy::too_many_arguments)]
+    #[pyo3(signature = (vary, range, log, points, dof, harmonics, threads=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn peaks(
         &self,
         py: Python<'_>,
         vary: &str,
-        begin: f64,
-        end: f64,
+        range: (f64, f64),
         log: bool,
         points: usize,
         dof: Option<String>,
         harmonics: Vec<usize>,
         threads: Option<usize>,
-        progress: Option<Py<PyAny>>,
     ) -> PyResult<(String, Stopped)> {
-        let (found, stopped) = watched(py, progress, &self.raised, |stop, finished| {
-            let go_on = |done: usize, _: usize| {
-                finished(done);
-                !stop.load(Ordering::Relaxed)
-            };
+        let (found, stopped) = watched(py, None, &self.raised, |stop, _| {
+            let go_on = |_: usize, _: usize| !stop.load(Ordering::Relaxed);
             let variants = Variants::from_str(&self.text, &self.base, self.scene.name())?;
             let options = PeaksOptions {
                 pointer: vary,
-                range: (begin, end),
+                range,
                 logarithmic: log,
                 points,
                 dof: dof.as_deref(),

@@ -83,6 +83,16 @@ pub(crate) struct Points {
     pub(crate) phase: Vec<Vec<Option<f64>>>,
     /// Without contacts, where the scene is known.
     pub(crate) linear: Option<Vec<Vec<Option<f64>>>>,
+    /// Solutions beside those of the points.
+    pub(crate) others: Vec<Other>,
+}
+
+/// Another solution at the place of a point.
+#[derive(Debug, Serialize)]
+pub(crate) struct Other {
+    pub(crate) point: usize,
+    /// One entry a dof, in m.
+    pub(crate) amplitude: Vec<Option<f64>>,
 }
 
 /// One contact, one entry a point in every list.

@@ -20,11 +20,11 @@ pub fn page() -> Option<&'static str> {
 /// # Errors
 /// Without a result.
 pub(crate) fn fill(page: &str, report: &Report) -> Result<String, ReportError> {
-    let (title, data) = report.data()?;
+    let (title, data) = (report.title()?, report.json()?);
     // One after the other from the left: what was put in is not looked at again.
     let (head, rest) = page.split_once(TITLE).ok_or(ReportError::NoPage)?;
     let (body, foot) = rest.split_once(DATA).ok_or(ReportError::NoPage)?;
-    Ok([head, &html_text(&title), body, &in_script(&data), foot].concat())
+    Ok([head, &html_text(title), body, &in_script(&data), foot].concat())
 }
 
 /// A text between tags.

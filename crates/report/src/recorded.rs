@@ -52,6 +52,9 @@ pub(crate) struct RecordedLine {
     pub(crate) displacement: Option<Named<Spectrum>>,
     pub(crate) contacts: Option<Named<Contact>>,
     pub(crate) stability: Option<Stability>,
+    /// The other solutions, where they were asked for.
+    #[serde(default)]
+    pub(crate) others: Vec<RecordedLine>,
     /// Of a curve only.
     pub(crate) parameter: Option<f64>,
     #[serde(default)]

@@ -95,11 +95,19 @@ impl Report {
         document::fill(document::page().ok_or(ReportError::NoPage)?, self)
     }
 
-    /// Name of the page, and its data as JSON.
-    pub(crate) fn data(&self) -> Result<(String, String), ReportError> {
-        let first = self.shown.first().ok_or(ReportError::Nothing)?;
+    /// The data of the page, for other pages; its keys are those of `data.rs`.
+    ///
+    /// # Errors
+    /// Without a result.
+    pub fn json(&self) -> Result<String, ReportError> {
+        self.title()?;
         let page = Page { version: env!("CARGO_PKG_VERSION"), results: &self.shown };
-        Ok((first.scene.clone(), serde_json::to_string(&page)?))
+        Ok(serde_json::to_string(&page)?)
+    }
+
+    /// The name of the first scene.
+    pub(crate) fn title(&self) -> Result<&str, ReportError> {
+        Ok(&self.shown.first().ok_or(ReportError::Nothing)?.scene)
     }
 }
 

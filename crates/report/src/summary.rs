@@ -2,7 +2,7 @@
 
 use scene::{Curve, Response, highest, peaks};
 
-use crate::data::{ContactColumns, Fact, Parameter, PeakLine, Points};
+use crate::data::{ContactColumns, Fact, Other, Parameter, PeakLine, Points};
 use crate::recorded::{Contact, Kind, Recorded, RecordedLine};
 
 /// What a result runs along.
@@ -95,6 +95,12 @@ pub(crate) fn points(recorded: &Recorded) -> Points {
         let amplitude = |point: &RecordedLine| point.amplitude(dof, harmonic);
         columns.amplitude.push(recorded.points.iter().map(|p| Some(amplitude(p)?.norm())).collect());
         columns.phase.push(recorded.points.iter().map(|p| Some(amplitude(p)?.arg())).collect());
+    }
+    for (point, line) in recorded.points.iter().enumerate() {
+        for other in &line.others {
+            let amplitude = |dof: &String| other.amplitude(dof, harmonic).map(num_complex::Complex64::norm);
+            columns.others.push(Other { point, amplitude: recorded.dofs.iter().map(amplitude).collect() });
+        }
     }
     columns
 }

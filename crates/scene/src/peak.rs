@@ -154,6 +154,8 @@ pub struct PeaksPeak {
 pub struct PeaksEffort {
     /// Responses surveyed.
     pub surveys: usize,
+    /// Those of them whose curve was given up after as many places as are followed.
+    pub cut: usize,
     /// Newton steps in surveys.
     pub survey_steps: usize,
     /// Peaks sought between surveys.
@@ -267,6 +269,7 @@ fn curve(harmonics: usize, found: &PeakCurve, names: &Names) -> PeaksCurve {
         points: found.points.iter().map(|p| point(p, names)).collect(),
         effort: PeaksEffort {
             surveys: found.effort.surveys,
+            cut: found.effort.cut,
             survey_steps: found.effort.survey_steps,
             searches: found.effort.searches,
             search_steps: found.effort.search_steps,
@@ -315,6 +318,13 @@ fn remarks(curve: &PeaksCurve) -> Vec<String> {
     if ends > 0 {
         notes.push(format!(
             "N = {n}: at {ends} surveyed values the response is higher at an end of the frequencies than at its peaks"
+        ));
+    }
+    if curve.effort.cut > 0 {
+        notes.push(format!(
+            "N = {n}: at {} of {} surveyed values the curve was given up after as many places as are followed; peaks beyond were looked \
+             for from points solved one by one",
+            curve.effort.cut, curve.effort.surveys
         ));
     }
     let optimum = curve.optimum.as_ref();

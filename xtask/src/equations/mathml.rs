@@ -38,7 +38,7 @@ pub(crate) fn mathml(latex: &str, place: Place) -> Result<String> {
             let number = number.map_or(String::new(), |number| format!("<span>({number})</span>"));
             format!(
                 "<span class=\"equation\" style=\"display:flex;align-items:center;overflow-x:auto;\
-                 overflow-y:hidden;padding:0.2em 0\">{}{number}</span>",
+                 overflow-y:hidden;padding:0.4em 0\">{}{number}</span>",
                 math.replacen("<math ", "<math style=\"flex:1 0 auto\" ", 1)
             )
         }

@@ -5,7 +5,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __version__: str
-SCHEMA: str
+SCENE_SCHEMA: str
+STUDY_SCHEMA: str
 
 class StickslipError(Exception): ...
 class SceneError(StickslipError): ...
@@ -34,10 +35,26 @@ class Scene:
         threads: int | None = None,
         progress: Callable[[int], object] | None = None,
         all_solutions: bool = False,
-    ) -> tuple[dict[str, Any], str]: ...
+        stability: bool = False,
+    ) -> tuple[dict[str, Any], str, BaseException | None]: ...
     def curve(
-        self, begin: float, end: float, along: str | None = None, at: float | None = None
-    ) -> tuple[dict[str, Any], str]: ...
+        self,
+        begin: float,
+        end: float,
+        along: str | None = None,
+        at: float | None = None,
+        stability: bool = False,
+    ) -> tuple[dict[str, Any], str, BaseException | None]: ...
+    def peaks(
+        self,
+        vary: str,
+        range: tuple[float, float],
+        log: bool,
+        points: int,
+        dof: str | None,
+        harmonics: Sequence[int],
+        threads: int | None = None,
+    ) -> tuple[str, BaseException | None]: ...
     def backbone(
         self,
         mode: int,
@@ -45,13 +62,13 @@ class Scene:
         dof: str | None,
         amplitudes: tuple[float | None, float | None],
         points: int,
-    ) -> tuple[dict[str, Any], str]: ...
+    ) -> tuple[dict[str, Any], str, BaseException | None]: ...
     def truncation(
         self,
         harmonics: Sequence[int],
         threads: int | None = None,
         progress: Callable[[int], object] | None = None,
-    ) -> str: ...
+    ) -> tuple[str, BaseException | None]: ...
     def orbit(self, frequency: float, harmonics: int, instants: int) -> dict[str, Any]: ...
 
 class Study:

@@ -123,6 +123,14 @@ class _Points(_Answer):
         """Estimate of the relative error from having stopped at N; NaN where none was made."""
         self.sampling_error: Floats = columns["sampling_error"]
         """Likewise from sampling the contact forces."""
+        self.stable: list[bool | None] = columns["stable"]
+        """Whether a point is stable, one a point; None where it is undecided, not known (:attr:`notes` say why), or was not asked
+        for."""
+        self.multipliers: Complexes = columns["multipliers"]
+        """Floquet multipliers of a period of the excitation, the largest first, shape (points, multipliers); NaN where there are
+        none or fewer. No columns when stability was not asked for."""
+        self.stability_error: Floats = columns["stability_error"]
+        """Estimate of how far each multiplier may be from the true one, shape (points,)."""
         self.orders: NDArray[np.int64] = columns["orders"]
         """k of every column of a spectrum, shape (harmonics,)."""
         self.dofs: list[str] = columns["dofs"]
@@ -141,6 +149,11 @@ class _Points(_Answer):
     def converged(self) -> NDArray[np.bool_]:
         """Where there is a solution, shape (points,)."""
         return np.array([status != "failed" for status in self.status])
+
+    @property
+    def unstable(self) -> NDArray[np.bool_]:
+        """Where a point is known to be unstable, shape (points,)."""
+        return np.array([stable is False for stable in self.stable], dtype=bool)
 
     def spectrum(self, dof: str | None = None) -> Complexes:
         """W_k of a dof in m, shape (points, harmonics); of the only one where there is one."""

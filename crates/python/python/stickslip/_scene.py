@@ -16,6 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._errors import SceneError
+from ._interrupt import finished
+from ._peaks import Peaks
 from ._result import Backbone, Curve, Orbit, Result, Truncation
 
 Progress = bool | Callable[[int], object] | None
@@ -94,6 +96,7 @@ class Scene:
             self._data.setdefault("name", path.stem)
             self._base = path.parent if base is None else Path(base)
         text, laws = _text(self._data)
+        self._laws = bool(laws)
         self._native = _native.Scene(text, str(self._base), laws)
         if laws:
             warnings.warn(
@@ -181,6 +184,7 @@ class Scene:
         threads: int | None = None,
         progress: Progress = None,
         all_solutions: bool = False,
+        stability: bool = False,
     ) -> Result:
         """The forced response at every frequency.
 
@@ -198,13 +202,22 @@ class Scene:
             ``True`` for a bar (with tqdm, where it is installed), or a function of the number of finished points.
         all_solutions
             Keep all solutions where they are known (one harmonic, one contact); see ``result.data``.
+        stability
+            Find Floquet multipliers: ``result.stable``, ``result.multipliers``.
 
         Points without a solution are NaN and say why in ``result.reason``.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            On Ctrl-C. What is finished by then is its attribute ``partial``, a :class:`Result` of fewer points; likewise of whatever
+            ``progress`` raises, and of all that takes long: :meth:`continue_`, :meth:`backbone`, :meth:`peaks`, :meth:`truncation`,
+            :meth:`Study.run`.
         """
         scene = self._with(harmonics, frequencies, output)
         with _Bar(progress, len(scene.frequencies), "points") as bar:
-            columns, text = scene._native.sweep(threads, bar.report, all_solutions)
-        return Result(columns, text)
+            columns, text, stopped = scene._native.sweep(threads, bar.report, all_solutions, stability)
+        return finished(Result(columns, text), stopped)
 
     def continue_(
         self,
@@ -215,6 +228,7 @@ class Scene:
         at: float | None = None,
         harmonics: int | None = None,
         output: Sequence[str] | None = None,
+        stability: bool = False,
     ) -> Curve:
         """The response as a curve, through its folds.
 
@@ -224,19 +238,67 @@ class Scene:
             Frequencies in Hz between which the curve runs, those of the scene if none; with ``along`` the values of that entry.
         along
             A JSON pointer to a number of the scene: the curve runs along it at the frequency ``at`` in Hz.
-        harmonics, output
+        harmonics, output, stability
             As in :meth:`sweep`.
         """
         scene = self._with(harmonics, None, output)
         frequencies = scene.frequencies
         if along is not None:
+            self._refuse_python("a curve along an entry")
             if begin is None or end is None or at is None:
                 raise SceneError("a curve along an entry needs begin, end, and the frequency: at")
         else:
             begin = float(frequencies.min()) if begin is None else begin
             end = float(frequencies.max()) if end is None else end
-        columns, text = scene._native.curve(begin, end, along, at)
-        return Curve(columns, text)
+        columns, text, stopped = scene._native.curve(begin, end, along, at, stability)
+        return finished(Curve(columns, text), stopped)
+
+    def _refuse_python(self, what: str) -> None:
+        """Variants are made from the scene's text, in which a law in Python is not."""
+        if self._laws:
+            raise SceneError(f"{what} needs laws of stickslip's own, and a contact has a PythonLaw")
+
+    def peaks(
+        self,
+        vary: str,
+        begin: float,
+        end: float,
+        *,
+        log: bool = False,
+        points: int = 13,
+        dof: str | None = None,
+        harmonics: int | Sequence[int] | None = None,
+        frequencies: ArrayLike | None = None,
+        threads: int | None = None,
+    ) -> Peaks:
+        """The highest peak over an entry of the scene, and where it is lowest: the best slip force of a damper.
+
+        Parameters
+        ----------
+        vary
+            A JSON pointer to a number of the model, the excitation or a contact: ``/contacts/0/law/slip_force``.
+        begin, end
+            Its smallest and its largest value.
+        log
+            Space the values evenly over the logarithm.
+        points
+            Values at which the whole response is looked at, ends included.
+        dof
+            The dof whose amplitude |W_1| in m counts; the first excited one if none.
+        harmonics
+            N, or several for a curve each; that of the scene if none.
+        frequencies
+            Only their range counts, in Hz; that of the scene if none.
+        threads
+            One a core if none. The result does not depend on it.
+        """
+        self._refuse_python("following peaks over an entry")
+        if points < 2:
+            raise SceneError(f"points: both ends are looked at, got {points}")
+        numbers = [] if harmonics is None else [int(n) for n in np.atleast_1d(np.asarray(harmonics))]
+        native = self._with(None, frequencies)._native
+        text, stopped = native.peaks(vary, (begin, end), log, points, dof, numbers, threads)
+        return finished(Peaks(text), stopped)
 
     def backbone(
         self,
@@ -266,8 +328,8 @@ class Scene:
         if origin not in ("stuck", "free"):
             raise SceneError(f'origin must be "stuck" or "free", not {origin!r}')
         scene = self._with(harmonics, None)
-        columns, text = scene._native.backbone(mode, origin == "stuck", dof, amplitudes, points)
-        return Backbone(columns, text)
+        columns, text, stopped = scene._native.backbone(mode, origin == "stuck", dof, amplitudes, points)
+        return finished(Backbone(columns, text), stopped)
 
     def truncation(
         self,
@@ -281,8 +343,8 @@ class Scene:
         harmonics."""
         scene = self._with(None, frequencies)
         with _Bar(progress, len(scene.frequencies), "frequencies") as bar:
-            text = scene._native.truncation([int(n) for n in harmonics], threads, bar.report)
-        return Truncation(text)
+            text, stopped = scene._native.truncation([int(n) for n in harmonics], threads, bar.report)
+        return finished(Truncation(text), stopped)
 
     def orbit(self, frequency: float, *, harmonics: int = 63, instants: int = 2048) -> Orbit:
         """The exact periodic motion at ``frequency`` in Hz, with spectra up to ``harmonics`` and one period at so many instants.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _native
 from ._errors import SceneError
+from ._interrupt import finished as ended
 from ._scene import Progress, _Bar, _plain
 
 if TYPE_CHECKING:
@@ -66,14 +67,24 @@ class Study:
         return self._native.solve(case)
 
     def run(self, *, threads: int | None = None, progress: Progress = None) -> StudyTable:
-        """All cases on this machine. The result does not depend on the number of threads."""
+        """All cases on this machine. The result does not depend on the number of threads.
+
+        Whatever ends it early carries the table of the finished cases as ``partial``, as with :meth:`Scene.sweep`.
+        """
+        finished: list[str] = []
+        stopped: BaseException | None = None
         with _Bar(progress, len(self), "cases") as bar, ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-            finished = []
-            for case in pool.map(self.solve, range(len(self))):
-                finished.append(case)
-                if bar.report is not None:
-                    bar.report(len(finished))
-        return self.table(finished)
+            cases = [pool.submit(self.solve, case) for case in range(len(self))]
+            try:
+                for case in cases:
+                    finished.append(case.result())
+                    if bar.report is not None:
+                        bar.report(len(finished))
+            except BaseException as error:
+                # Cases that run already are waited for, the others are not begun.
+                pool.shutdown(wait=False, cancel_futures=True)
+                stopped = error
+        return ended(self.table(finished), stopped)
 
     def table(self, finished: Iterable[str]) -> StudyTable:
         """The table of finished cases, the same whatever their order."""

@@ -1,6 +1,6 @@
 // One picture: an ECharts chart in SVG, with a text beside it, in the colours of the page.
 
-import { BarChart, LineChart, ScatterChart } from "echarts/charts";
+import { LineChart, ScatterChart } from "echarts/charts";
 import {
   DataZoomComponent,
   GridComponent,
@@ -13,7 +13,6 @@ import { SVGRenderer } from "echarts/renderers";
 import { element } from "./dom";
 
 echarts.use([
-  BarChart,
   LineChart,
   ScatterChart,
   DataZoomComponent,
@@ -54,26 +53,27 @@ const print = matchMedia("print");
 /** Told by the browser before `print` matches. */
 let printing = false;
 
+/** On paper nothing can be turned, dragged or paged. */
+export const onPaper = (): boolean => printing || print.matches;
+
 export function colours(): Colours {
   const style = getComputedStyle(document.documentElement);
   const value = (name: string) => style.getPropertyValue(`--${name}`).trim();
-  const onPaper = printing || print.matches;
+  const paper = onPaper();
   return {
-    paper: onPaper ? "#ffffff" : value("paper"),
-    ink: onPaper ? "#000000" : value("ink"),
-    muted: onPaper ? "#424a52" : value("muted"),
-    line: onPaper ? "#b0b7bf" : value("line"),
-    grid: onPaper ? "#dde1e5" : value("grid"),
-    accent: onPaper ? "#00568f" : value("accent"),
-    warn: onPaper ? "#9a3c00" : value("warn"),
-    series: dark.matches && !onPaper ? DARK : LIGHT,
+    paper: paper ? "#ffffff" : value("paper"),
+    ink: paper ? "#000000" : value("ink"),
+    muted: paper ? "#424a52" : value("muted"),
+    line: paper ? "#b0b7bf" : value("line"),
+    grid: paper ? "#dde1e5" : value("grid"),
+    accent: paper ? "#00568f" : value("accent"),
+    warn: paper ? "#9a3c00" : value("warn"),
+    series: dark.matches && !paper ? DARK : LIGHT,
   };
 }
 
-export const REDUCED = matchMedia("(prefers-reduced-motion: reduce)");
-
 /** Widths on paper in px: of a picture alone, and of one beside another. */
-const ON_PAPER = { tall: 690, small: 335 };
+export const ON_PAPER = { tall: 690, small: 335 };
 
 export class Chart {
   readonly figure: HTMLElement;
@@ -89,7 +89,8 @@ export class Chart {
     parent: HTMLElement,
   ) {
     this.holder = element("div", { class: tall ? "chart tall" : "chart", role: "img", id: `chart-${name}` });
-    this.caption = element("figcaption");
+    // The same text, for those who see the picture.
+    this.caption = element("figcaption", { "aria-hidden": "true" });
     this.figure = element("figure", {}, this.holder, this.caption);
     parent.append(this.figure);
     this.view = echarts.init(this.holder, null, { renderer: "svg" });
@@ -108,7 +109,7 @@ export class Chart {
   }
 
   fit(): void {
-    if (printing || print.matches) this.view.resize({ width: this.tall ? ON_PAPER.tall : ON_PAPER.small });
+    if (onPaper()) this.view.resize({ width: this.tall ? ON_PAPER.tall : ON_PAPER.small });
     else this.view.resize({ width: "auto" });
   }
 

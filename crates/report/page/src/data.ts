@@ -42,6 +42,8 @@ export interface Points {
   amplitude: Maybe<number>[][];
   phase: Maybe<number>[][];
   linear: Maybe<Maybe<number>[][]>;
+  /** Solutions beside those of the points; one amplitude a dof. */
+  others: { point: number; amplitude: Maybe<number>[] }[];
 }
 
 export interface Contact {

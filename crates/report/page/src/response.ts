@@ -1,6 +1,6 @@
 // The response: amplitudes of the output dofs over frequency (or over another entry), all results over one axis.
 
-import { Chart, type Colours, type Option, axis, dash, decades, legend, markEntry, tip } from "./chart";
+import { Chart, type Colours, ON_PAPER, type Option, axis, dash, decades, legend, markEntry, onPaper, tip } from "./chart";
 import type { Maybe, Page } from "./data";
 import { element } from "./dom";
 import { largest, place, show, unitFor } from "./words";
@@ -206,6 +206,14 @@ write the ends of the range.",
       { symbol: "circle", symbolSize: 7, itemStyle: { color: colours.paper, borderColor: colours.warn, borderWidth: 1.5 } },
       (result, point) => result.points.stable[point] === false,
     );
+    const others = this.page.results.flatMap((result) =>
+      result.points.others.flatMap(({ point, amplitude }) =>
+        amplitude.map((value) => [result.points.parameter[point], this.scaled(value)]).filter(([, value]) => value !== null),
+      ),
+    );
+    if (others.length > 0) {
+      add({ name: "other solutions", type: "scatter", data: others, symbol: "triangle", symbolSize: 7, itemStyle: { color: colours.muted }, z: 4 });
+    }
     const failed = this.page.results.flatMap((result) =>
       result.points.parameter.filter((_, point) => result.points.status[point] === "failed").map((place) => [place, 0.03]),
     );
@@ -225,8 +233,11 @@ write the ends of the range.",
     const { name, unit } = this.parameter();
     const harmonics = new Set(this.page.results.map((result) => result.harmonic));
     const index = harmonics.size === 1 ? [...harmonics][0] : "k";
+    // On paper all names are seen at once, in as many lines as they need.
+    const letters = shownInLegend.reduce((sum, entry) => sum + (typeof entry === "string" ? entry : String(entry.name)).length, 0);
+    const lines = onPaper() ? Math.ceil((7.5 * letters + 52 * shownInLegend.length) / ON_PAPER.tall) : 1;
     return {
-      grid: { left: 12, right: 24, top: 44, bottom: 44, outerBoundsMode: "same", outerBoundsContain: "all" },
+      grid: { left: 12, right: 24, top: 22 + 22 * lines, bottom: onPaper() ? 12 : 44, outerBoundsMode: "same", outerBoundsContain: "all" },
       xAxis: axis(colours, unit ? `${name} in ${unit}` : name, { nameGap: 26, min: "dataMin", max: "dataMax" }),
       yAxis: [
         axis(colours, `amplitude |W_${index}| in ${this.unit.name}`, {
@@ -235,7 +246,7 @@ write the ends of the range.",
         }),
         { type: "value", show: false, min: 0, max: 1 },
       ],
-      legend: legend(colours, { data: shownInLegend }),
+      legend: legend(colours, { data: shownInLegend, type: onPaper() ? "plain" : "scroll" }),
       tooltip: {
         trigger: "axis",
         axisPointer: { type: "line", lineStyle: { color: colours.muted } },
@@ -245,6 +256,7 @@ write the ends of the range.",
         { type: "inside", filterMode: "none", zoomOnMouseWheel: "ctrl", moveOnMouseWheel: false, ...this.shownRange() },
         {
           type: "slider",
+          show: !onPaper(),
           filterMode: "none",
           bottom: 8,
           height: 22,
