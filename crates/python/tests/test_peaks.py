@@ -31,9 +31,13 @@ def test_the_best_slip_force_is_where_a_sweep_has_its_lowest_peak():
     highest = scene.replace(SLIP_FORCE, best.parameter).sweep(near, harmonics=1).amplitude(peaks.dof).max()
     # The nearest of the sweep's frequencies is within 0.25 mHz of the peak, where the response is flat.
     assert highest == pytest.approx(best.amplitude, rel=1e-6)
-    for slip_force in (0.8 * best.parameter, 1.25 * best.parameter):
-        every = scene.replace(SLIP_FORCE, slip_force).sweep(np.linspace(30, 130, 2001), harmonics=1)
-        assert every.amplitude(peaks.dof).max() > best.amplitude
+    (curve, _) = peaks.curves
+    for i in (0, 1, -2, -1):
+        every = scene.replace(SLIP_FORCE, curve.parameter[i]).sweep(np.linspace(40, 120, 8001), harmonics=1)
+        highest = every.amplitude(peaks.dof).max()
+        # The sweep's step of 10 mHz may miss some of the top, and finds nothing above it.
+        assert 0.99 * curve.amplitude[i] < highest <= curve.amplitude[i] * (1 + 1e-9)
+        assert curve.amplitude[i] > best.amplitude
     pytest.importorskip("pandas")
     table = peaks.to_dataframe()
     assert len(table) == sum(len(curve.parameter) for curve in peaks.curves)
