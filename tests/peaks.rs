@@ -9,10 +9,10 @@ use contact::{Cubic, CubicParameters};
 use faer::mat;
 use hbm::{
     Damping, ModeOptions, Model, NonlinearMode, OptimumKind, Origin, PeakCurve, PeakEnd, PeakOptions,
-    PeakPoint, PeakStatus, Plan, Problem, Settings, follow_peaks, nonlinear_mode,
+    PeakPoint, PeakStatus, Plan, Problem, Settings, Status, follow_peaks, nonlinear_mode,
 };
 use num_complex::Complex64;
-use stickslip_tests::{elastic_coulomb, force, scene_r, to_ground, two_mass, unit_masses};
+use stickslip_tests::{elastic_coulomb, force, paper_scene, scene_r, to_ground, two_mass, unit_masses};
 
 fn options(range: (f64, f64), frequencies: (f64, f64)) -> PeakOptions<'static> {
     PeakOptions {
@@ -39,6 +39,40 @@ fn statuses(curve: &PeakCurve) -> Vec<(f64, PeakStatus)> {
 
 fn close(found: f64, known: f64, tolerance: f64) {
     assert!((found / known - 1.0).abs() < tolerance, "{found} instead of {known}");
+}
+
+/// While the root holds still the blade of the paper's scene is an oscillator of its own, with its peak at Ω² = (c − d²/2m)/m. The
+/// root may hold still up to the excitation at which a point solved on its own is no longer at rest there.
+#[test]
+fn a_peak_at_rest_is_that_of_the_structure_held_there() {
+    let with = |amplitude: f64| {
+        let mut problem = paper_scene();
+        problem.excitation[0].amplitude = amplitude;
+        problem.output = vec![1];
+        problem
+    };
+    let scene = with(1.0);
+    let (m, d, c) = (scene.model.mass()[(1, 1)], 24.0, scene.model.stiffness()[(1, 1)]);
+    let options = options((1e-5, 1e-1), (20.0, 200.0));
+    let curve = follow(&with, 1, &options);
+    let (mut resting, mut sliding) = (0, 0);
+    for point in &curve.points {
+        let peak = &point.peaks[0];
+        if peak.solution.status == Status::Stuck {
+            resting += 1;
+            let omega = ((c - 0.5 * d * d / m) / m).sqrt();
+            let height = point.parameter / (d * (c / m - 0.25 * (d / m).powi(2)).sqrt());
+            close(peak.solution.frequency * TAU, omega, 1e-6);
+            close(peak.amplitude, height, 1e-8);
+        } else {
+            sliding += 1;
+            let hertz = peak.solution.frequency;
+            let dense = summit_of_points(&with(point.parameter), 1, 0, (hertz - 0.1, hertz + 0.1));
+            close(peak.solution.frequency, dense.0, 1e-6);
+            close(peak.amplitude, dense.1, 1e-8);
+        }
+    }
+    assert!(resting > 3 && sliding > 3, "{resting} at rest, {sliding} sliding");
 }
 
 /// One mass of 2 kg on 8e4 N/m under 3 N, with damping d and a contact to the ground.

@@ -54,8 +54,9 @@ impl Pose {
         Self { hertz, motion: Vec::new(), tangent: (Vec::new(), 0.0), curvature: 0.0 }
     }
 
+    /// Without a contact a motion is empty as well, but its curve has a direction.
     fn rests(&self) -> bool {
-        self.motion.is_empty()
+        self.motion.is_empty() && self.tangent.1 == 0.0
     }
 
     /// The pose a part of the way from one to another, or beyond; with the direction of the first.

@@ -133,7 +133,7 @@ impl Search<'_> {
             let at = if heights.get(top.at + 1) > heights.get(top.at) { top.at + 1 } else { top.at };
             let Some(height) = heights.get(at).copied() else { continue };
             // Between two places the summit may stand above both.
-            let wiggle = tracer.course.plan().has_samples() && prominence(&heights, at) <= noise * height;
+            let wiggle = tracer.course.plan().samples_kinks() && prominence(&heights, at) <= noise * height;
             if !wiggle && let Some(summit) = tracer.enclosed(&top.from, top.growth, top.length, self) {
                 add(&mut survey.summits, summit);
             }

@@ -13,11 +13,18 @@ use crate::plan::Plan;
 const NOISE: f64 = 1e-6;
 
 impl Plan {
+    /// Whether forces with kinks are evaluated at samples.
+    pub(crate) fn samples_kinks(&self) -> bool {
+        let joints = self.joints.iter().any(|joint| !self.exact || joint.law.piecewise_linear().is_none());
+        joints
+            || (!self.exact && self.contacts.iter().any(|contact| contact.law.piecewise_linear().is_some()))
+    }
+
     /// Least prominence of a maximum, relative to its height. Trapezoidal sums of forces with kinks err by up to (2π/M)², and a
     /// resonance answers with a few times that.
     pub(crate) fn noise(&self) -> f64 {
         match self.rungs.get(self.top) {
-            Some(rung) if self.has_samples() => {
+            Some(rung) if self.samples_kinks() => {
                 (2.0 * TAU / rung.transform.samples() as f64).powi(2).max(NOISE)
             }
             _ => NOISE,
@@ -31,7 +38,7 @@ const SIDEWAYS: f64 = 0.01;
 /// Strikes out the folds of a curve with sampled forces that turn back by no more than the noise: its maxima of the parameter and
 /// of its negative.
 pub(crate) fn keep_wide(points: &mut [CurvePoint], plan: &Plan) {
-    if !plan.has_samples() {
+    if !plan.samples_kinks() {
         return;
     }
     let noise = SIDEWAYS * plan.noise();
