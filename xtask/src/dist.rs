@@ -75,7 +75,7 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<()> {
     }
     let mut published = Vec::new();
     if wheel {
-        let built = python::wheel(root)?;
+        let built = python::wheel(root, &flags(root))?;
         let file = built.file_name().context("a wheel without a name")?;
         fs::create_dir_all(tree.join("python"))?;
         fs::copy(&built, tree.join("python").join(file))?;
@@ -105,18 +105,23 @@ fn target() -> Result<String> {
     Ok(host.context("rustc does not say what it builds for")?.to_owned())
 }
 
-/// Builds the program. For a release the folders of this machine are not in it: the same sources give the same program
-/// elsewhere.
+/// Flags of the compiler for a release: the folders of this machine are not in what it builds, and the same sources give the same
+/// program elsewhere.
+fn flags(root: &Path) -> String {
+    let home = std::env::var_os("CARGO_HOME")
+        .map(PathBuf::from)
+        .or_else(|| Some(std::env::home_dir()?.join(".cargo")));
+    let mut flags = vec![format!("--remap-path-prefix={}=stickslip", root.display())];
+    flags.extend(home.map(|home| format!("--remap-path-prefix={}=cargo", home.display())));
+    flags.join("\u{1f}")
+}
+
+/// Builds the program.
 fn build(root: &Path, profile: &str) -> Result<()> {
     let mut command = Command::new(cargo());
     command.current_dir(root).args(["build", "--locked", "--package", "stickslip", "--profile", profile]);
     if profile == "dist" {
-        let home = std::env::var_os("CARGO_HOME")
-            .map(PathBuf::from)
-            .or_else(|| Some(std::env::home_dir()?.join(".cargo")));
-        let mut flags = vec![format!("--remap-path-prefix={}=stickslip", root.display())];
-        flags.extend(home.map(|home| format!("--remap-path-prefix={}=cargo", home.display())));
-        command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).env_remove("RUSTFLAGS");
+        command.env("CARGO_ENCODED_RUSTFLAGS", flags(root)).env_remove("RUSTFLAGS");
     }
     let built = command.status().context("cargo build")?;
     ensure!(built.success(), "the program cannot be built");

@@ -26,7 +26,7 @@ pub(crate) fn run(root: &Path, required: bool) -> Result<()> {
     }
     let package = root.join("crates").join("python");
     let building = building(root)?;
-    let wheel = build(root, &building)?;
+    let wheel = build(root, &building, &["--release"], None)?;
     eprintln!("checking types");
     let types = building.python().args(["-m", "mypy", "python/stickslip"]).current_dir(&package).status()?;
     ensure!(types.success(), "mypy finds mistakes");
@@ -51,12 +51,12 @@ pub(crate) fn run(root: &Path, required: bool) -> Result<()> {
     Ok(())
 }
 
-/// Builds the wheel and nothing else.
+/// Builds the wheel of a release and nothing else, with flags for the compiler in the form of `CARGO_ENCODED_RUSTFLAGS`.
 ///
 /// # Errors
 /// Without Python or a package index.
-pub(crate) fn wheel(root: &Path) -> Result<PathBuf> {
-    build(root, &building(root)?)
+pub(crate) fn wheel(root: &Path, flags: &str) -> Result<PathBuf> {
+    build(root, &building(root)?, &["--profile", "dist"], Some(flags))
 }
 
 /// The environment in which it is built.
@@ -65,17 +65,22 @@ fn building(root: &Path) -> Result<VirtualEnvironment> {
 }
 
 /// The wheel, in `target/python/wheels`.
-fn build(root: &Path, building: &VirtualEnvironment) -> Result<PathBuf> {
+fn build(
+    root: &Path,
+    building: &VirtualEnvironment,
+    profile: &[&str],
+    flags: Option<&str>,
+) -> Result<PathBuf> {
     let folder = root.join("target").join("python").join("wheels");
     if folder.exists() {
         fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
     }
-    let built = Command::new(building.program("maturin"))
-        .args(["build", "--release", "--quiet", "--out"])
-        .arg(&folder)
-        .current_dir(root.join("crates").join("python"))
-        .status()
-        .context("maturin")?;
+    let mut maturin = Command::new(building.program("maturin"));
+    maturin.args(["build", "--quiet"]).args(profile).arg("--out").arg(&folder);
+    if let Some(flags) = flags {
+        maturin.env("CARGO_ENCODED_RUSTFLAGS", flags).env_remove("RUSTFLAGS");
+    }
+    let built = maturin.current_dir(root.join("crates").join("python")).status().context("maturin")?;
     ensure!(built.success(), "maturin cannot build the wheel");
     let wheels: Vec<PathBuf> = fs::read_dir(&folder)?.filter_map(|entry| Some(entry.ok()?.path())).collect();
     match wheels.as_slice() {
