@@ -6,8 +6,11 @@
 
 use std::f64::consts::TAU;
 
+use contact::Mechanism;
+
 use crate::continuation::CurvePoint;
 use crate::plan::Plan;
+use crate::problem::Contact;
 
 /// Least prominence, relative to the height: the error that correctors leave is below it.
 const NOISE: f64 = 1e-6;
@@ -17,11 +20,17 @@ impl Plan {
     /// resonance answers with a few times that.
     fn noise(&self) -> f64 {
         match self.rungs.get(self.top) {
-            Some(rung) if self.has_samples() => {
+            Some(rung) if self.has_sampled_kinks() => {
                 (2.0 * TAU / rung.transform.samples() as f64).powi(2).max(NOISE)
             }
             _ => NOISE,
         }
+    }
+
+    /// Whether forces with kinks are known at samples only. Of smooth forces the sums are as good as exact, however few they are.
+    fn has_sampled_kinks(&self) -> bool {
+        let smooth = |contact: &Contact| matches!(contact.law.mechanism(), Mechanism::Smooth(_));
+        self.has_samples() && !(self.joints.is_empty() && self.contacts.iter().all(smooth))
     }
 }
 
@@ -31,7 +40,7 @@ const SIDEWAYS: f64 = 0.01;
 /// Strikes out the folds of a curve with sampled forces that turn back by no more than the noise: its maxima of the parameter and
 /// of its negative.
 pub(crate) fn keep_wide(points: &mut [CurvePoint], plan: &Plan) {
-    if !plan.has_samples() {
+    if !plan.has_sampled_kinks() {
         return;
     }
     let noise = SIDEWAYS * plan.noise();
