@@ -413,7 +413,7 @@ fn what_has_no_multipliers_says_why() {
     assert_eq!(plan.stability(&solution), Err(NoStability::Massless));
     let (plan, solution) = solve(&unit_masses(linear(1e3)), 3, 0.0);
     assert_eq!(plan.stability(&solution), Err(NoStability::Static));
-    let n = 61;
+    let n = 101;
     let mut large = unit_masses(linear(1e3));
     let diagonal = |x: f64| Mat::from_fn(n, n, |i, j| if i == j { x } else { 0.0 });
     large.model = model(diagonal(1.0), diagonal(2.0), diagonal(1e5));

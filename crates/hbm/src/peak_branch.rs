@@ -67,6 +67,9 @@ const BETWEEN: f64 = 0.05;
 const STEPS: u32 = 1 << 16;
 const SHORTEST_LOW: u32 = STEPS >> 5;
 
+/// Summits sought on the way between two surveys at most. A hundred are usual.
+const MOST_SEARCHES: usize = 600;
+
 /// The problem over the parameter.
 pub(crate) struct Family<'a> {
     pub(crate) problem: &'a (dyn Fn(f64) -> Option<Problem> + Sync),
@@ -89,7 +92,7 @@ impl Family<'_> {
     }
 
     /// Follows a summit from one value to another, ends included; it stops before the other where the summit
-    /// vanishes. About so high are the highest peaks: `highest`.
+    /// vanishes; where that takes too long, the last node has none. About so high are the highest peaks: `highest`.
     ///
     /// # Errors
     /// As [`crate::Plan::new`].
@@ -115,12 +118,18 @@ impl Family<'_> {
         let (at, parameter) = value(0);
         let mut nodes = vec![(at, parameter, from.clone())];
         let (mut done, mut step) = (0, STEPS / 2);
+        let (mut sought, mut given_up) = (0, None);
         while let Some((at, _, here)) = nodes.last() {
             let shortest = if here.amplitude < RELEVANT * highest { SHORTEST_LOW } else { 1 };
             if done >= STEPS || step < shortest {
                 break;
             }
             let (at_next, parameter) = value(done + step);
+            sought += 1;
+            if sought > MOST_SEARCHES {
+                given_up = Some(Node { at: at_next, parameter, summit: None });
+                break;
+            }
             let before = nodes.len().checked_sub(2).and_then(|i| nodes.get(i));
             let before =
                 before.map(|(at_before, _, before)| (before, (at_next - at_before) / (at - at_before)));
@@ -152,7 +161,8 @@ impl Family<'_> {
             }
             nodes.push((at_next, parameter, found));
         }
-        Ok(nodes.into_iter().map(|(at, parameter, s)| Node { at, parameter, summit: Some(s) }).collect())
+        let nodes = nodes.into_iter().map(|(at, parameter, s)| Node { at, parameter, summit: Some(s) });
+        Ok(nodes.chain(given_up).collect())
     }
 
     /// The amplitude of a branch at coordinate `at` by a straight line between the nodes beside it; `None` where it does not

@@ -328,15 +328,12 @@ fn doubt(points: &mut [PeakPoint], surveyed: &dyn Fn(&PeakPoint) -> bool) {
     }
 }
 
-/// Relative difference from which on a peak of a survey is another one.
-const HIGHER: f64 = 1e-6;
-
 /// What a survey says about peaks that were followed.
 fn judge(survey: &Survey, peaks: &[Peak]) -> PeakStatus {
     let highest = peaks.first().map_or(0.0, |peak| peak.amplitude);
-    let other = survey.summits.first().filter(|s| s.amplitude > highest * (1.0 + HIGHER));
+    let other = survey.summits.first().filter(|s| s.amplitude > highest * (1.0 + s.noise));
     // A peak that was followed here from elsewhere may be higher than what the survey found.
-    let above = |point: &(f64, f64)| point.1 > highest * (1.0 + HIGHER);
+    let above = |point: &(f64, f64)| point.1 > highest;
     match (other, survey.higher.filter(above), survey.edge.filter(above)) {
         (Some(summit), ..) => PeakStatus::Incomplete(summit.hertz(), summit.amplitude),
         (None, Some((hertz, height)), _) => PeakStatus::Incomplete(hertz, height),

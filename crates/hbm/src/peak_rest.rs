@@ -73,6 +73,6 @@ impl Search<'_> {
         let solution = plan.solve(hertz, ws);
         let rests = solution.status.solved() && ws.point.width() < plan.rows();
         let amplitude = amplitude(&solution, plan.first_slot()?, self.dof)?;
-        rests.then(|| Summit { amplitude, pose: Pose::at_rest(hertz), solution })
+        rests.then(|| Summit { amplitude, noise: plan.noise(), pose: Pose::at_rest(hertz), solution })
     }
 }

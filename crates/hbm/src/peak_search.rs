@@ -73,6 +73,8 @@ impl Pose {
 pub(crate) struct Summit {
     /// |W| at the base frequency, in m.
     pub(crate) amplitude: f64,
+    /// Relative difference from which on two summits are two: see [`crate::prominence`].
+    pub(crate) noise: f64,
     pub(crate) pose: Pose,
     pub(crate) solution: Solution,
 }
@@ -85,13 +87,10 @@ impl Summit {
 
     /// Whether this is the same place of the same response.
     pub(crate) fn is(&self, other: &Self) -> bool {
-        let close = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
+        let close = |a: f64, b: f64| (a - b).abs() <= self.noise * a.abs().max(b.abs());
         close(self.hertz(), other.hertz()) && close(self.amplitude, other.amplitude)
     }
 }
-
-/// Relative difference of two summits that are one.
-const SAME: f64 = 1e-6;
 
 /// What is sought: the largest amplitudes of output dof `dof` between two frequencies in Hz.
 #[derive(Debug, Clone, Copy)]
@@ -182,6 +181,11 @@ impl Tracer<'_> {
 
     /// g at a place: relative growth of the amplitude of output dof `dof` along the curve.
     pub(crate) fn growth(&mut self, place: &Place, dof: usize) -> Option<f64> {
+        self.growth_and_height(place, dof).map(|(growth, _)| growth)
+    }
+
+    /// The same, and the amplitude in m.
+    pub(crate) fn growth_and_height(&mut self, place: &Place, dof: usize) -> Option<(f64, f64)> {
         let metric = Metric::at(place, self.least);
         let mut beside = |length: f64| -> Option<f64> {
             let moved = metric.moved(place, length);
@@ -190,7 +194,7 @@ impl Tracer<'_> {
         };
         let (above, below) = (beside(DIFFERENCE)?, beside(-DIFFERENCE)?);
         let growth = (above - below) / (DIFFERENCE * (above + below));
-        growth.is_finite().then_some(growth)
+        growth.is_finite().then_some((growth, 0.5 * (above + below)))
     }
 
     /// The summit uphill from a place, no farther along the curve than `farthest`, inside the range.
@@ -278,7 +282,12 @@ impl Tracer<'_> {
         let tangent = (self.physical(tangent), *along);
         let motion = self.physical(&place.unknowns);
         let pose = Pose { hertz: place.parameter, motion, tangent, curvature };
-        (amplitude.is_finite() && solution.is_finite()).then_some(Summit { amplitude, pose, solution })
+        (amplitude.is_finite() && solution.is_finite()).then_some(Summit {
+            amplitude,
+            noise: self.course.plan().noise(),
+            pose,
+            solution,
+        })
     }
 }
 

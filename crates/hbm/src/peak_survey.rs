@@ -6,6 +6,7 @@ use crate::course::{Course, FrequencyCourse};
 use crate::error::PlanError;
 use crate::peak_search::{Search, Summit, amplitude};
 use crate::problem::Problem;
+use crate::prominence::prominence;
 
 /// The peaks of one response.
 #[derive(Debug, Clone, Default)]
@@ -32,14 +33,22 @@ const POINTS: usize = 33;
 /// Peaks below this part of the highest are left out: one that becomes the highest is followed back from the next survey.
 const LOW: f64 = 0.3;
 
-/// A point counts as higher than a peak from this relative difference on.
-const HIGHER: f64 = 1e-6;
-
 /// First step along a curve.
 const FIRST_STEP: f64 = 0.01;
 
 /// Places of one curve at most.
 const MOST_PLACES: usize = 4_000;
+
+/// Two places of a curve with a summit between them.
+struct Top {
+    from: Place,
+    /// At both.
+    growth: (f64, f64),
+    /// From one to the other.
+    length: f64,
+    /// Number of the first along the curve.
+    at: usize,
+}
 
 impl Search<'_> {
     /// The peaks of the response of `problem`; `going` answers `false` when it is to be given up, which leaves `None`.
@@ -97,27 +106,39 @@ impl Search<'_> {
         let (Some(mut here), _) = tracer.start(from) else { return false };
         face(&mut here, to - from);
         tracer.length = FIRST_STEP;
-        let Some(mut growth) = tracer.growth(&here, self.dof) else { return false };
+        let Some((mut growth, first)) = tracer.growth_and_height(&here, self.dof) else { return false };
+        let mut heights = vec![first];
+        let mut tops: Vec<Top> = Vec::new();
+        let mut end = None;
         for _ in 0..MOST_PLACES {
-            let Some((next, length)) = tracer.step(&here).filter(|_| going()) else { return false };
+            let Some((next, length)) = tracer.step(&here).filter(|_| going()) else { break };
             if tracer.comes_to_rest() {
-                return false;
+                break;
             }
-            let Some(ahead) = tracer.growth(&next, self.dof) else { return false };
-            if growth > 0.0
-                && ahead <= 0.0
-                && let Some(summit) = tracer.enclosed(&here, (growth, ahead), length, self)
-            {
-                add(&mut survey.summits, summit);
+            let Some((ahead, height)) = tracer.growth_and_height(&next, self.dof) else { break };
+            if growth > 0.0 && ahead <= 0.0 {
+                tops.push(Top { from: here, growth: (growth, ahead), length, at: heights.len() - 1 });
             }
+            heights.push(height);
             let beyond = |end: f64, sign: f64| (next.parameter - end) * sign * (to - from).signum() >= 0.0;
             if beyond(to, 1.0) || beyond(from, -1.0) {
-                return beyond(to, 1.0);
+                end = Some(beyond(to, 1.0));
+                break;
             }
             (here, growth) = (next, ahead);
         }
-        survey.cut = true;
-        false
+        survey.cut = end.is_none() && heights.len() > MOST_PLACES;
+        let noise = tracer.course.plan().noise();
+        for top in tops {
+            let at = if heights.get(top.at + 1) > heights.get(top.at) { top.at + 1 } else { top.at };
+            let Some(height) = heights.get(at).copied() else { continue };
+            // Between two places the summit may stand above both.
+            let wiggle = tracer.course.plan().has_samples() && prominence(&heights, at) <= noise * height;
+            if !wiggle && let Some(summit) = tracer.enclosed(&top.from, top.growth, top.length, self) {
+                add(&mut survey.summits, summit);
+            }
+        }
+        end == Some(true)
     }
 
     /// Solves points one by one and climbs from where they are higher than every summit.
@@ -171,7 +192,7 @@ impl Search<'_> {
 impl Survey {
     /// Whether a point is higher than every summit.
     fn is_exceeded(&self, height: f64) -> bool {
-        self.summits.iter().all(|summit| height > summit.amplitude * (1.0 + HIGHER))
+        self.summits.iter().all(|summit| height > summit.amplitude * (1.0 + summit.noise))
     }
 
     /// Sorts the summits and leaves out the low ones.

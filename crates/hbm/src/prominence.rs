@@ -18,7 +18,7 @@ const NOISE: f64 = 1e-6;
 impl Plan {
     /// Least prominence of a maximum, relative to its height. Trapezoidal sums of forces with kinks err by up to (2π/M)², and a
     /// resonance answers with a few times that.
-    fn noise(&self) -> f64 {
+    pub(crate) fn noise(&self) -> f64 {
         match self.rungs.get(self.top) {
             Some(rung) if self.has_sampled_kinks() => {
                 (2.0 * TAU / rung.transform.samples() as f64).powi(2).max(NOISE)
@@ -73,7 +73,7 @@ pub(crate) fn keep_prominent(points: &mut [CurvePoint], plan: &Plan) {
 }
 
 /// The prominence of the maximum at index `at`.
-fn prominence(heights: &[f64], at: usize) -> f64 {
+pub(crate) fn prominence(heights: &[f64], at: usize) -> f64 {
     let top = heights.get(at).copied().unwrap_or(0.0);
     let lowest = |side: &mut dyn Iterator<Item = &f64>| {
         side.take_while(|height| **height <= top).copied().fold(top, f64::min)

@@ -139,7 +139,7 @@ pub enum NoStability {
 }
 
 /// Dofs up to which multipliers are found.
-const MOST_DOFS: usize = 60;
+const MOST_DOFS: usize = 100;
 
 /// Samples of κ at first and at most.
 const FIRST_SAMPLES: usize = 64;

@@ -300,3 +300,42 @@ fn check_jacobian(problem: &Problem) {
         }
     }
 }
+
+/// Without friction a contact with two tangential directions is one with a single direction, all of whose forces are known by their
+/// events: its pressure is not sampled either.
+#[test]
+fn pressure_is_not_sampled_whatever_friction_is() {
+    let Problem { model, excitation, .. } = rattling();
+    let solve = |tangential: usize| {
+        let parameters = FrictionContactParameters {
+            tangential_stiffness: 2e6,
+            normal_stiffness: 3e6,
+            friction_coefficient: 0.0,
+            preload: Some(8.0),
+            gap: None,
+        };
+        let tangent = |turn: f64| Direction { parts: vec![(0, turn.cos()), (1, turn.sin())] };
+        let normal = Direction { parts: vec![(0, 0.3), (1, -0.8), (2, -0.5)] };
+        let directions = (0..tangential).map(|d| tangent(0.7 * d as f64)).chain([normal]).collect();
+        let law = Arc::new(FrictionContact::new(parameters, tangential).unwrap());
+        let joint = Joint { name: "j".into(), directions, law, scale: 0.7 };
+        let problem = Problem {
+            model: model.clone(),
+            excitation: excitation.clone(),
+            contacts: Vec::new(),
+            joints: vec![joint],
+            output: vec![0, 1, 2],
+        };
+        let plan = Plan::new(&problem, &Settings::new(7)).unwrap();
+        let solution = plan.solve(60.0, &mut plan.workspace());
+        assert_eq!(solution.status, crate::Status::Converged);
+        assert!(solution.joints[0].apart > 0.02, "{:?}", solution.joints[0]);
+        (solution.joints[0].apart, solution.displacement)
+    };
+    let ((known_apart, known), (apart, found)) = (solve(1), solve(2));
+    assert!((apart - known_apart).abs() < 1e-9, "{apart} instead of {known_apart}");
+    let size = known.iter().flatten().map(|w| w.norm()).fold(0.0, f64::max);
+    for (found, known) in found.iter().flatten().zip(known.iter().flatten()) {
+        assert!((found - known).norm() < 1e-9 * size, "{found} instead of {known}");
+    }
+}

@@ -111,6 +111,17 @@ def test_parquet_is_the_table_of_csv(results):
     assert b"stickslip.version" in about
 
 
+def test_a_table_of_several_pages(tmp_path):
+    from conftest import SCENES
+
+    for name in ("x.csv", "x.parquet"):
+        frequencies = ("--frequencies", "20:120:2200", "--harmonics", "31")
+        run(tmp_path, "sweep", SCENES / "elastic-coulomb.json", *frequencies, "-o", name)
+    table = pd.read_parquet(tmp_path / "x.parquet", engine="pyarrow")
+    assert len(table) > 1 << 16
+    assert_is_table(table, tmp_path / "x.csv")
+
+
 def test_tables_of_every_command(tmp_path):
     from conftest import SCENES
 

@@ -267,7 +267,7 @@ fn several_directions(prepared: &Prepared, facts: &PlanFacts) -> Step {
     };
     let how = match facts.joints_by_events {
         0 => {
-            format!("their forces are followed over {} instants of a period until they repeat", facts.samples)
+            format!("their friction is followed over {} instants of a period until it repeats", facts.samples)
         }
         all if all == facts.joints => {
             "their forces come from their events, without sampling error".to_owned()
