@@ -42,6 +42,7 @@ mod joint_events;
 mod joint_force;
 mod krylov;
 mod ladder;
+mod landmarks;
 mod matrices;
 mod modal;
 mod mode;
@@ -70,6 +71,7 @@ mod sparse;
 mod stability;
 mod start;
 mod sweep;
+mod tracer;
 mod transform;
 #[cfg(test)]
 mod verification;

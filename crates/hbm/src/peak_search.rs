@@ -12,12 +12,13 @@
 
 use faer::c64;
 
-use crate::continuation::{ContinuationOptions, Metric, Place, Tracer};
+use crate::continuation::ContinuationOptions;
 use crate::course::FrequencyCourse;
 use crate::error::PlanError;
 use crate::problem::Problem;
 use crate::settings::Settings;
 use crate::solution::{Solution, Status};
+use crate::tracer::{Metric, Place, Tracer};
 
 /// Half the difference along the tangent, as a relative length.
 const DIFFERENCE: f64 = 1e-6;

@@ -1,12 +1,13 @@
 //! All peaks of one response: its curve is followed over the whole range, and points solved one by one look for what the
 //! curve does not reach.
 
-use crate::continuation::{ContinuationOptions, Place, Tracer};
+use crate::continuation::ContinuationOptions;
 use crate::course::{Course, FrequencyCourse};
 use crate::error::PlanError;
 use crate::peak_search::{Search, Summit, amplitude};
 use crate::problem::Problem;
 use crate::prominence::prominence;
+use crate::tracer::{Place, Tracer};
 
 /// The peaks of one response.
 #[derive(Debug, Clone, Default)]
