@@ -98,6 +98,10 @@ impl Plan {
         let marks = ws.balance[ws.goal].joints[index].marks;
         (report.state, report.apart, report.cycles) = (marks.state, marks.apart, marks.cycles);
         report.extrapolated = marks.extrapolated;
+        if marks.state == ContactState::Stick && marks.apart == 0.0 {
+            // Springs return what they take: the sum is rounding.
+            report.dissipation = 0.0;
+        }
     }
 
     /// Amplitude, turning points and what the law noticed.
