@@ -7,7 +7,10 @@ use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{deny, equations, iwan, loop_family, msrv, package, python, reference_loop, report_page};
+use crate::{
+    deny, dist, equations, error_vs_runtime, extreme, figures, instructions, iwan, loop_family, msrv,
+    package, python, reference_loop, report_page,
+};
 
 /// Commands of cargo before documentation and tests.
 const CHECKS: [&str; 3] = [
@@ -19,20 +22,6 @@ const CHECKS: [&str; 3] = [
 /// The README's commands.
 const TESTS: &str = "test --workspace";
 const EXAMPLE: &str = "run --release -- sweep scenes/hoffmann-2017.json";
-
-/// What goes into a release, around the program of the example.
-const DIST: &str = "run --release -p xtask -- dist --quick";
-
-/// The paper's scenes, figures and numbers once more, in release: the libraries are built for the example already.
-const FIGURES: &str = "run --release -p xtask -- figures --check";
-/// Errors and their orders on a small part of the scene library, never times.
-const ERRORS: &str = "run --release -p xtask -- error-vs-runtime --quick";
-
-/// Cases at the limits of every quantity.
-const EXTREME: &str = "run --release -p xtask -- extreme --quick";
-
-/// Instructions a point of the hot paths; says so and passes where valgrind is missing.
-const INSTRUCTIONS: &str = "run --release -p xtask -- instructions";
 
 /// Runs all checks in the workspace at `root`; the first that fails ends the run.
 pub(crate) fn run(root: &Path) -> Result<()> {
@@ -53,9 +42,16 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     steps.cargo(root, TESTS, Stdio::inherit())?;
     example(root, &mut steps)?;
     steps.take("cargo xtask report-page --test", || report_page::test(root))?;
-    for arguments in [DIST, FIGURES, ERRORS, EXTREME, INSTRUCTIONS] {
-        steps.cargo(root, arguments, Stdio::inherit())?;
-    }
+    // What goes into a release, around the program of the example.
+    steps.take("cargo xtask dist --quick", || dist::run(root, &["--quick"]))?;
+    // The paper's scenes, figures and numbers once more.
+    steps.take("cargo xtask figures --check", || figures::check(root))?;
+    // Errors and their orders on a small part of the scene library, never times.
+    steps.take("cargo xtask error-vs-runtime --quick", || error_vs_runtime::quick(root))?;
+    // Cases at the limits of every quantity.
+    steps.take("cargo xtask extreme --quick", || extreme::run(root, &["--quick"]))?;
+    // Instructions a point of the hot paths; says so and passes where valgrind is missing.
+    steps.take("cargo xtask instructions", || instructions::check(root))?;
     steps.take("cargo xtask python", || python::run(root, false))?;
     steps.tell();
     Ok(())

@@ -27,7 +27,7 @@ use data::{Data, Origin};
 pub(crate) use page::time;
 
 /// What a user types.
-pub(crate) const COMMAND: &str = "cargo run --release -p xtask -- error-vs-runtime";
+pub(crate) const COMMAND: &str = "cargo xtask error-vs-runtime";
 
 /// A point with N up to this is compared with truths that are far better.
 const LARGEST: usize = 127;

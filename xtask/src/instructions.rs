@@ -20,7 +20,7 @@ use crate::markdown::table;
 use hot_path::HotPath;
 
 /// What a user types.
-const COMMAND: &str = "cargo run --release -p xtask -- instructions";
+const COMMAND: &str = "cargo xtask instructions";
 /// The word before a path's name by which the program runs it.
 pub(crate) const HOT_PATH: &str = "hot-path";
 /// Relative change of a count that nobody has to explain.

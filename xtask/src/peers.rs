@@ -28,7 +28,7 @@ use environment::Environment;
 use request::{Case, Scene};
 
 /// What a user types.
-pub(crate) const COMMAND: &str = "cargo run --release -p xtask -- peers";
+pub(crate) const COMMAND: &str = "cargo xtask peers";
 
 /// Harmonics that are compared.
 const HARMONICS: [usize; 3] = [1, 7, 31];

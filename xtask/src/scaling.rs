@@ -21,7 +21,7 @@ use family::Family;
 use measure::Measured;
 
 /// What a user types.
-const COMMAND: &str = "cargo run --release -p xtask -- scaling";
+const COMMAND: &str = "cargo xtask scaling";
 
 /// Measures everything, and writes data, figure and page.
 pub(crate) fn run(root: &Path) -> Result<()> {
