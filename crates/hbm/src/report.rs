@@ -1,6 +1,6 @@
 //! From the unknowns back to what a user asked for: displacements of output dofs, contact forces, dissipation.
 
-use contact::ContactState;
+use contact::{ContactState, JointMechanism};
 use faer::c64;
 use num_complex::Complex64;
 
@@ -98,8 +98,9 @@ impl Plan {
         let marks = ws.balance[ws.goal].joints[index].marks;
         (report.state, report.apart, report.cycles) = (marks.state, marks.apart, marks.cycles);
         report.extrapolated = marks.extrapolated;
-        if marks.state == ContactState::Stick && marks.apart == 0.0 {
-            // Springs return what they take: the sum is rounding.
+        let friction = matches!(joint.law.mechanism(), JointMechanism::Friction { .. });
+        if friction && marks.state == ContactState::Stick && marks.apart == 0.0 {
+            // Its springs return what they take: the sum is rounding.
             report.dissipation = 0.0;
         }
     }
